@@ -1,0 +1,123 @@
+"""The arm: URDF to Pinocchio model, true and nominal, and where its flange is."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from robot.compiled import kernel
+from robot.description import URDF_PATH
+from robot.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from robot.experiment import Robot
+
+Array = np.ndarray
+
+FLANGE = "flange_link"
+DATASHEET_SCALE = 23.0 / 96.3935
+"""Mass of the real arm (*vendor* datasheet, 23 kg) over that of its description (*vendor*)."""
+
+
+@cache
+def _described_model() -> pin.Model:
+    return pin.buildModelFromUrdf(str(URDF_PATH))
+
+
+def _scaled(model: pin.Model, scale: float) -> None:
+    for j in range(1, model.njoints):
+        inertia = model.inertias[j]
+        model.inertias[j] = pin.Inertia(scale * inertia.mass, inertia.lever, scale * inertia.inertia)
+
+
+def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pin.Model:
+    """Return a Pinocchio model of the arm.
+
+    Args:
+        robot: inertials, inertia scale, armature and payload.
+        mismatch: factor on the inertials of the arm, 1 for the true one.
+        payload: whether the payload is part of it.
+
+    Returns:
+        A model of its own, free to change. Its mass matrix includes the armature [kg m^2].
+    """
+    model = _described_model().copy()
+    scale = DATASHEET_SCALE if robot.inertials == "datasheet" else 1.0
+    _scaled(model, scale * robot.inertia_scale * mismatch)
+    if payload and robot.payload.mass > 0.0:
+        point = pin.Inertia(robot.payload.mass, np.array(robot.payload.center), np.zeros((3, 3)))
+        frame = model.frames[model.getFrameId(FLANGE)]
+        model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
+    model.armature = np.broadcast_to(np.asarray(robot.armature, dtype=float), JOINTS).copy()
+    return model
+
+
+def nominal_model(robot: Robot, mismatch: float) -> pin.Model | None:
+    """Return the arm that a model-based law believes in, or ``None`` if it is the true one.
+
+    It knows the armature, no friction, and the payload only where ``payload.known`` says so.
+    """
+    knows_payload = robot.payload.known or robot.payload.mass == 0.0
+    if mismatch == 1.0 and knows_payload:
+        return None
+    return build_model(robot, mismatch, payload=robot.payload.known)
+
+
+@cache
+def _chain() -> Array:
+    """Return the placements of the six joints and of the flange. Shape (7, 3, 4)."""
+    model = _described_model()
+    frame = model.frames[model.getFrameId(FLANGE)]
+    placements = [*(model.jointPlacements[j] for j in range(1, JOINTS + 1)), frame.placement]
+    return np.array([np.hstack([p.rotation, p.translation[:, None]]) for p in placements])
+
+
+@kernel
+def _flange_positions(chain, angles, out):  # type: ignore[no-untyped-def]
+    rotation = np.empty((3, 3))
+    turned = np.empty((3, 3))
+    for row in range(angles.shape[0]):
+        rotation[:] = 0.0
+        x = y = z = 0.0
+        for i in range(3):
+            rotation[i, i] = 1.0
+        for joint in range(JOINTS + 1):
+            place = chain[joint]
+            x += rotation[0, 0] * place[0, 3] + rotation[0, 1] * place[1, 3]
+            x += rotation[0, 2] * place[2, 3]
+            y += rotation[1, 0] * place[0, 3] + rotation[1, 1] * place[1, 3]
+            y += rotation[1, 2] * place[2, 3]
+            z += rotation[2, 0] * place[0, 3] + rotation[2, 1] * place[1, 3]
+            z += rotation[2, 2] * place[2, 3]
+            if joint == JOINTS:
+                break
+            c, s = np.cos(angles[row, joint]), np.sin(angles[row, joint])
+            for i in range(3):
+                for k in range(3):
+                    turned[i, k] = (
+                        rotation[i, 0] * place[0, k]
+                        + rotation[i, 1] * place[1, k]
+                        + rotation[i, 2] * place[2, k]
+                    )
+            for i in range(3):
+                rotation[i, 0] = c * turned[i, 0] + s * turned[i, 1]
+                rotation[i, 1] = c * turned[i, 1] - s * turned[i, 0]
+                rotation[i, 2] = turned[i, 2]
+        out[row, 0], out[row, 1], out[row, 2] = x, y, z
+
+
+def flange_positions(angles: Array) -> Array:
+    """Return where the flange's centre is.
+
+    Args:
+        angles: joint angles in [rad]. Shape (n, 6).
+
+    Returns:
+        Positions in the base frame in [m]. Shape (n, 3).
+    """
+    out = np.empty((len(angles), 3))
+    _flange_positions(_chain(), np.ascontiguousarray(angles, dtype=float), out)
+    return out

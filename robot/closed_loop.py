@@ -1,0 +1,99 @@
+"""The closed loops of an experiment in lockstep.
+
+``simulate`` and the live session both step this; nothing here knows a clock or a thread.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.lane import Lane
+from robot.packed import Packed
+from robot.workspace import RECORD_COLUMNS
+
+Array = np.ndarray
+
+
+class ClosedLoop:
+    """Every lane of an experiment, stepped against the same trajectory and disturbance.
+
+    Attributes:
+        packed: the experiment in force, as numbers.
+        lanes: the lanes by name, in the experiment's order.
+        time: time of the next step in [s].
+        number: how many steps have been made since the start.
+    """
+
+    def __init__(self, packed: Packed, rows: int) -> None:
+        """Stand at the beginning.
+
+        Args:
+            packed: the experiment as numbers.
+            rows: rows that each lane's record holds; step ``n`` writes row ``n % rows``.
+        """
+        self.packed = packed
+        self.rows = rows
+        self.lanes = {name: self._lane(name) for name in packed.experiment.lanes}
+        self.restart()
+
+    def _lane(self, name: str) -> Lane:
+        return Lane(name, self.packed, np.zeros((self.rows, RECORD_COLUMNS)))
+
+    @property
+    def period(self) -> float:
+        """Time between two steps in [s]."""
+        return self.packed.experiment.simulation.row_period
+
+    @property
+    def time(self) -> float:
+        """Time of the next step in [s]."""
+        return self._since + (self.number - self._from) * self.period
+
+    def restart(self) -> None:
+        """Go back to time 0 and the initial state, in every lane."""
+        self.number, self._from, self._since = 0, 0, 0.0
+        for lane in self.lanes.values():
+            lane.restart(self.packed)
+
+    def adopt(self, packed: Packed, origins: dict[str, str] | None = None) -> None:
+        """Take another experiment from the next step on; time and states go on.
+
+        A lane that is new continues from the state of its origin: the lane that ``origins`` names,
+        the one whose place it took when just one went and one came, or else the first.
+
+        Args:
+            packed: the new experiment as numbers.
+            origins: names of new lanes and of the lanes that they continue.
+        """
+        self._since, self._from = self.time, self.number
+        before, self.packed = self.lanes, packed
+        gone = [name for name in before if name not in packed.experiment.lanes]
+        new = [name for name in packed.experiment.lanes if name not in before]
+        renamed = len(gone) == 1 and len(new) == 1
+        first = gone[0] if renamed else next(iter(before))
+        self.lanes = {}
+        for name in packed.experiment.lanes:
+            if name in before:
+                self.lanes[name] = before[name]
+                before[name].adopt(packed)
+                continue
+            lane = self._lane(name)
+            lane.copy_state(before[(origins or {}).get(name, first)])
+            self.lanes[name] = lane
+
+    def step(self) -> int:
+        """Step every lane that runs; a lane that leaves its bounds freezes, the others go on.
+
+        Returns:
+            The row of the lanes' records that was written.
+        """
+        time, number, row = self.time, self.number, self.number % self.rows
+        for lane in self.lanes.values():
+            if lane.freeze is None:
+                joint = lane.step(time, number, row)
+                if joint:
+                    lane.stop(self.packed, time, joint)
+            else:
+                lane.hold(self.packed, time, row)
+        self.number = number + 1
+        return row

@@ -1,0 +1,63 @@
+"""Every error that this project raises on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class SlidetuneError(Exception):
+    """Root of all errors raised on purpose; its text is written for the person at the screen."""
+
+
+@dataclass(frozen=True)
+class FieldError:
+    """One refused value.
+
+    Attributes:
+        path: where it stands, dotted, such as ``lanes.NFTSM.nu``.
+        message: what is wrong, the value, what is allowed and the unit.
+        value: what was given (shortened when long).
+        allowed: the permitted values in words, or an empty text.
+        line: line of the file it came from, counted from 1, where there is one.
+    """
+
+    path: str
+    message: str
+    value: object = None
+    allowed: str = ""
+    line: int | None = None
+
+    def __str__(self) -> str:
+        """Return ``line 12: lanes.NFTSM.nu: …``."""
+        where = f"line {self.line}: " if self.line is not None else ""
+        return f"{where}{self.path}: {self.message}" if self.path else f"{where}{self.message}"
+
+
+class InvalidExperimentError(SlidetuneError, ValueError):
+    """Values that an experiment can't take; ``fields`` names each."""
+
+    def __init__(self, fields: Sequence[FieldError]) -> None:
+        """Keep the refused fields and make one text of them."""
+        self.fields = tuple(fields)
+        super().__init__("\n".join(str(field) for field in self.fields))
+
+
+class PresetSyntaxError(InvalidExperimentError):
+    """A preset's text that isn't a plain YAML mapping within the size limits."""
+
+
+class UnknownPresetError(SlidetuneError, KeyError):
+    """No preset of that name; the message lists the known ones."""
+
+    def __str__(self) -> str:
+        """Return the text itself (KeyError would quote it)."""
+        return str(self.args[0])
+
+
+class PresetConflictError(SlidetuneError, ValueError):
+    """A preset of that name exists already, or ships with the program and is read-only."""
+
+
+class UnreachableError(SlidetuneError, ValueError):
+    """A flange pose that the arm can't reach."""

@@ -1,0 +1,106 @@
+"""One lane: one closed loop with its state, its record and its reason to stand still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY
+from robot.laws import LAWS
+from robot.packed import Packed
+from robot.quantity import JOINTS
+from robot.stability import sampling_margin
+from robot.steps import Step, bind_step
+from robot.trajectory import reference
+from robot.workspace import PUSH, QD, RECORD, STATE_ROWS, VD, WORK_ROWS, Q, V
+
+Array = np.ndarray
+
+DESIRED = RECORD.index("q_d") * JOINTS
+"""First column of a record that holds the desired motion."""
+
+
+@dataclass(frozen=True)
+class Freeze:
+    """Why a lane stands still.
+
+    Attributes:
+        time: when it left its bounds in [s].
+        joint: which joint, from 1.
+        cause: what happened and what to do, in words.
+        gamma: the sampling margin where that is the reason, else ``None``.
+    """
+
+    time: float
+    joint: int
+    cause: str
+    gamma: float | None = None
+
+
+class Lane:
+    """One closed loop.
+
+    Attributes:
+        name: its name in the experiment.
+        work: workspace of the kernels; ``robot.workspace`` names its rows.
+        record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
+        freeze: why it stands still, ``None`` while it runs.
+        step: the bound step; see ``robot.steps.Step``.
+    """
+
+    def __init__(self, name: str, packed: Packed, record: Array) -> None:
+        """Stand at the beginning of the trajectory with empty weights."""
+        self.name = name
+        self.record = record
+        self.work = np.zeros((WORK_ROWS, JOINTS))
+        self.freeze: Freeze | None = None
+        self.restart(packed)
+
+    def restart(self, packed: Packed) -> None:
+        """Go to the initial state: e(0) and v(0) as asked, empty weights."""
+        simulation = packed.experiment.simulation
+        self.work[:] = 0.0
+        reference(0.0, packed.trajectory, self.work)
+        self.work[Q] = self.work[QD] - np.asarray(simulation.initial_error)
+        if simulation.initial_velocity == "desired":
+            self.work[V] = self.work[VD]
+        self.freeze = None
+        self.adopt(packed)
+
+    def adopt(self, packed: Packed) -> None:
+        """Take other gains, arm or trajectory from the next step on; the state goes on."""
+        law = LAWS[packed.experiment.lanes[self.name].law]
+        self.step: Step = bind_step(law, packed, packed.gains[self.name], self.work, self.record)
+
+    def copy_state(self, other: Lane) -> None:
+        """Continue from another lane's angles, velocities and weights."""
+        self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
+        self.work[PUSH] = other.work[PUSH]
+        self.freeze = other.freeze
+
+    def hold(self, packed: Packed, time: float, row: int) -> None:
+        """Record a frozen lane: its last finite row, and the desired motion that goes on."""
+        reference(time, packed.trajectory, self.work)
+        self.record[row] = self.record[row - 1]
+        self.record[row, DESIRED:] = self.work[QD : VD + 1].ravel()
+
+    def stop(self, packed: Packed, time: float, joint: int) -> None:
+        """Freeze at the last finite state and say why."""
+        gamma = sampling_margin(packed, self.name, self.work[Q])
+        cause = (
+            f"Joint {joint} left its bounds (±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s) "
+            f"at {time:.3f} s."
+        )
+        simulation = packed.experiment.simulation
+        if simulation.mode == "sampled" and gamma > 2.0:
+            rate = simulation.control_rate * gamma / 2.0
+            cause += (
+                f" The gains are too high for {simulation.control_rate:g} Hz: γ = {gamma:.3g} where "
+                f"a sampled loop needs less than 2. Lower k₁ or k₂/ε, add armature, or sample "
+                f"above {rate:.3g} Hz."
+            )
+            self.freeze = Freeze(time, joint, cause, gamma)
+            return
+        cause += " Lower the gains or the disturbance, then reset."
+        self.freeze = Freeze(time, joint, cause)

@@ -1,0 +1,12 @@
+"""Control laws: one a file, joined in ``LAWS``. A further law is a file and a line here."""
+
+from __future__ import annotations
+
+from robot.laws import computed_torque, nftsm, rbfnn_nftsm, rbfnn_smc, smc
+from robot.laws.law import Law
+
+LAWS: dict[str, Law] = {
+    law.name: law
+    for law in (rbfnn_nftsm.LAW, rbfnn_smc.LAW, nftsm.LAW, smc.LAW, computed_torque.LAW)
+}
+"""Every law by name, in the order of the screen."""

@@ -1,0 +1,104 @@
+"""Computed torque with a PD loop: the baseline that everybody knows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.laws.law import Law
+from robot.network import no_network
+from robot.quantity import JOINTS, PerJoint, Section, field
+from robot.stages import begin, command, finish, observe
+from robot.surface import linear_surface
+from robot.workspace import (
+    AD,
+    FLAGS,
+    GAIN,
+    REACH,
+    SHAPE,
+    TAU,
+    S,
+)
+
+Array = np.ndarray
+
+RATIO, KD = 0, 1
+
+
+class ComputedTorque(Section):
+    """Gains of computed torque PD."""
+
+    law: Literal["computed_torque"] = "computed_torque"
+    kp: PerJoint = field(
+        400.0, title="Position gain", symbol="k_p", unit="1/s²", low=0.0, high=10000.0, step=10.0,
+        group="PD", meaning="Stiffness per unit of inertia: the square of the natural frequency.",
+    )
+    kd: PerJoint = field(
+        40.0, title="Velocity gain", symbol="k_d", unit="1/s", low=0.1, high=400.0, step=1.0,
+        scale="log", group="PD",
+        meaning="Damping per unit of inertia; 2√k_p damps critically.",
+    )
+
+    def pack(self) -> Array:
+        """Return kp/kd and kd. Shape (2, 6)."""
+        block = np.empty((2, JOINTS))
+        block[RATIO], block[KD] = np.divide(self.kp, self.kd), self.kd
+        return block
+
+
+@kernel
+def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    r"""Computed torque with PD feedback, written to TAU [N m].
+
+    .. math:: \tau = M(\ddot q_d + k_d \dot e + k_p e) + C\dot q + G
+
+    Its sliding variable is :math:`S = \dot e + (k_p/k_d) e`, so that the feedback is k_d S.
+
+    Args:
+        gains: numbers of ``ComputedTorque.pack``. Shape (2, 6).
+        nominal_M: inertia of the nominal arm. Shape (6, 6).
+        nominal_nle: C v + G of the nominal arm. Shape (6,).
+        work: workspace with the desired and the measured motion.
+    """
+    linear_surface(gains[:1], work)
+    no_network(work)
+    work[FLAGS, 0] = 1.0
+    for j in range(JOINTS):
+        work[GAIN, j] = gains[KD, j]
+        work[REACH, j] = gains[KD, j] * work[S, j]
+    for i in range(JOINTS):
+        torque = nominal_nle[i]
+        for j in range(JOINTS):
+            work[SHAPE + i, j] = nominal_M[i, j]
+            torque += nominal_M[i, j] * (work[AD, j] + work[REACH, j])
+        work[TAU, i] = torque
+
+
+@kernel
+def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode; see ``Law.step``."""
+    begin(stage, t, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode; see ``Law.sample``."""
+    observe(t, number, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return command(period, row, world, work, record)
+
+
+LAW = Law(
+    name="computed_torque",
+    title="Computed torque PD",
+    summary="τ = M(a_d + k_d·de + k_p·e) + C·v + G with a model of the arm",
+    lane=ComputedTorque,
+    step=step,
+    sample=sample,
+    model_based=True,
+    network=False,
+)

@@ -1,0 +1,49 @@
+"""What the rest of the project knows of a control law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from robot.quantity import Section
+
+Array = np.ndarray
+
+
+class PackedGains(Protocol):
+    """A lane that can hand its gains to its kernels."""
+
+    def pack(self) -> Array:
+        """Return all gains as numbers. Shape (n, 6)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Law:
+    """One control law.
+
+    Attributes:
+        name: value of ``law`` in a lane.
+        title: name on the screen.
+        summary: the law in one line, with its equation.
+        lane: the gains, a ``Section`` with a ``pack()``.
+        step: compiled stage of continuous mode:
+            ``(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work,
+            record) -> 0 or 1 + joint``.
+        sample: compiled control period of sampled mode: ``(t, period, sample, row, nominal_M,
+            nominal_nle, gains, world, trajectory, work, record) -> 0 or 1 + joint``.
+        model_based: whether it needs the nominal arm.
+        network: whether it has a network.
+    """
+
+    name: str
+    title: str
+    summary: str
+    lane: type[Section]
+    step: Callable[..., int]
+    sample: Callable[..., int]
+    model_based: bool
+    network: bool

@@ -1,0 +1,93 @@
+"""NFTSM, the paper's second rival: the terminal sliding surface with a model of the arm."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.equivalent_control import equivalent_control
+from robot.laws.law import Law
+from robot.network import no_network
+from robot.quantity import JOINTS, field
+from robot.stages import begin, command, finish, observe
+from robot.surface import NftsmSurface, nftsm_surface
+from robot.switching import ReachingGains, reach
+from robot.workspace import FLAGS, REACH, S_V, SHAPE, TAU
+
+Array = np.ndarray
+
+
+class Nftsm(NftsmSurface, ReachingGains):
+    """Gains of NFTSM."""
+
+    law: Literal["nftsm"] = "nftsm"
+    inertia_shaped: bool = field(
+        False, title="Shape by the inertia", symbol="MΓ⁻¹", group="Reaching",
+        meaning="Multiplies the reaching law by MΓ⁻¹, so that dS/dt = -k₁S - k₂sw(S) holds "
+        "exactly; not in the paper.",
+    )
+
+    def pack(self) -> Array:
+        """Return all gains as numbers. Shape (10, 6)."""
+        shaped = np.full((1, JOINTS), float(self.inertia_shaped))
+        return np.vstack([self.pack_surface(), self.pack_reaching(), shaped])
+
+
+@kernel
+def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    r"""Torque of NFTSM (Liu et al. 2025, Eq. 9, 13, 14, corrected), written to TAU [N m].
+
+    .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
+
+    With ``inertia_shaped`` the reaching law stands behind :math:`M\Gamma^{-1}` (ours).
+
+    Args:
+        gains: numbers of ``Nftsm.pack``. Shape (10, 6).
+        nominal_M: inertia of the nominal arm. Shape (6, 6).
+        nominal_nle: C v + G of the nominal arm. Shape (6,).
+        work: workspace with the desired and the measured motion.
+    """
+    nftsm_surface(gains[:4], work)
+    reach(gains[4:9], work)
+    no_network(work)
+    equivalent_control(nominal_M, nominal_nle, work)
+    shaped = gains[9, 0] != 0.0
+    work[FLAGS, 0] = 1.0 if shaped else 0.0
+    for i in range(JOINTS):
+        if shaped:
+            for j in range(JOINTS):
+                share = nominal_M[i, j] / work[S_V, j]
+                work[SHAPE + i, j] = share
+                work[TAU, i] += share * work[REACH, j]
+        else:
+            work[TAU, i] += work[REACH, i]
+
+
+@kernel
+def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode; see ``Law.step``."""
+    begin(stage, t, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode; see ``Law.sample``."""
+    observe(t, number, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return command(period, row, world, work, record)
+
+
+LAW = Law(
+    name="nftsm",
+    title="NFTSM",
+    summary="τ = τ_eq + k₁S + k₂sw(S) with S = νe + c·de + μ·sig(de)^(p/k) and a model (Eq. 14)",
+    lane=Nftsm,
+    step=step,
+    sample=sample,
+    model_based=True,
+    network=False,
+)

@@ -1,0 +1,75 @@
+"""RBFNN-NFTSM, the paper's proposal: a terminal sliding surface, and a network for the model."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.laws.law import Law
+from robot.network import NetworkGains, network
+from robot.quantity import JOINTS
+from robot.stages import begin, command, finish, observe
+from robot.surface import NftsmSurface, nftsm_surface
+from robot.switching import ReachingGains, reach
+from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, TAU
+
+Array = np.ndarray
+
+
+class RbfnnNftsm(NftsmSurface, ReachingGains, NetworkGains):
+    """Gains of RBFNN-NFTSM."""
+
+    law: Literal["rbfnn_nftsm"] = "rbfnn_nftsm"
+
+    def pack(self) -> Array:
+        """Return all gains as numbers. Shape (14, 6)."""
+        return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_network()])
+
+
+@kernel
+def control(base, gains, work):  # type: ignore[no-untyped-def]
+    r"""Torque of RBFNN-NFTSM (Liu et al. 2025, Eq. 22), written to TAU [N m].
+
+    .. math:: \tau = f + k_1 S + k_2 \tanh(S/\epsilon)
+
+    Args:
+        base: first row of the state whose weights count.
+        gains: numbers of ``RbfnnNftsm.pack``. Shape (14, 6).
+        work: workspace with the desired and the measured motion.
+    """
+    nftsm_surface(gains[:4], work)
+    reach(gains[4:9], work)
+    network(gains[9:], base, work)
+    work[FLAGS, 0] = 0.0
+    for j in range(JOINTS):
+        work[TAU, j] = work[NETWORK, j] + work[REACH, j]
+
+
+@kernel
+def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode; see ``Law.step``."""
+    base = begin(stage, t, trajectory, world, work)
+    control(base, gains, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode; see ``Law.sample``."""
+    observe(t, number, trajectory, world, work)
+    control(CURRENT, gains, work)
+    return command(period, row, world, work, record)
+
+
+LAW = Law(
+    name="rbfnn_nftsm",
+    title="RBFNN-NFTSM",
+    summary="τ = f + k₁S + k₂sw(S) with S = νe + c·de + μ·sig(de)^(p/k) and a network f (Eq. 22)",
+    lane=RbfnnNftsm,
+    step=step,
+    sample=sample,
+    model_based=False,
+    network=True,
+)

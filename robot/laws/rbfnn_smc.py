@@ -1,0 +1,75 @@
+"""RBFNN-SMC, the paper's first rival: a conventional sliding surface with the same network."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.laws.law import Law
+from robot.network import NetworkGains, network
+from robot.quantity import JOINTS
+from robot.stages import begin, command, finish, observe
+from robot.surface import LinearSurface, linear_surface
+from robot.switching import ReachingGains, reach
+from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, TAU
+
+Array = np.ndarray
+
+
+class RbfnnSmc(LinearSurface, ReachingGains, NetworkGains):
+    """Gains of RBFNN-SMC."""
+
+    law: Literal["rbfnn_smc"] = "rbfnn_smc"
+
+    def pack(self) -> Array:
+        """Return all gains as numbers. Shape (11, 6)."""
+        return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_network()])
+
+
+@kernel
+def control(base, gains, work):  # type: ignore[no-untyped-def]
+    r"""Torque of RBFNN-SMC (Li and Xu 2023, as compared by Liu et al. 2025), written to TAU [N m].
+
+    .. math:: \tau = f + k_1 S + k_2 \tanh(S/\epsilon)
+
+    Args:
+        base: first row of the state whose weights count.
+        gains: numbers of ``RbfnnSmc.pack``. Shape (11, 6).
+        work: workspace with the desired and the measured motion.
+    """
+    linear_surface(gains[:1], work)
+    reach(gains[1:6], work)
+    network(gains[6:], base, work)
+    work[FLAGS, 0] = 0.0
+    for j in range(JOINTS):
+        work[TAU, j] = work[NETWORK, j] + work[REACH, j]
+
+
+@kernel
+def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode; see ``Law.step``."""
+    base = begin(stage, t, trajectory, world, work)
+    control(base, gains, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode; see ``Law.sample``."""
+    observe(t, number, trajectory, world, work)
+    control(CURRENT, gains, work)
+    return command(period, row, world, work, record)
+
+
+LAW = Law(
+    name="rbfnn_smc",
+    title="RBFNN-SMC",
+    summary="τ = f + k₁S + k₂sw(S) with S = λe + de and a network f",
+    lane=RbfnnSmc,
+    step=step,
+    sample=sample,
+    model_based=False,
+    network=True,
+)

@@ -1,0 +1,78 @@
+"""SMC: the conventional sliding surface with a model of the arm, as in the textbooks."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.equivalent_control import equivalent_control
+from robot.laws.law import Law
+from robot.network import no_network
+from robot.quantity import JOINTS
+from robot.stages import begin, command, finish, observe
+from robot.surface import LinearSurface, linear_surface
+from robot.switching import ReachingGains, reach
+from robot.workspace import FLAGS, REACH, TAU
+
+Array = np.ndarray
+
+
+class Smc(LinearSurface, ReachingGains):
+    """Gains of SMC."""
+
+    law: Literal["smc"] = "smc"
+
+    def pack(self) -> Array:
+        """Return all gains as numbers. Shape (6, 6)."""
+        return np.vstack([self.pack_surface(), self.pack_reaching()])
+
+
+@kernel
+def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    r"""Torque of SMC: equivalent control and a reaching law, written to TAU [N m].
+
+    .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
+
+    Args:
+        gains: numbers of ``Smc.pack``. Shape (6, 6).
+        nominal_M: inertia of the nominal arm. Shape (6, 6).
+        nominal_nle: C v + G of the nominal arm. Shape (6,).
+        work: workspace with the desired and the measured motion.
+    """
+    linear_surface(gains[:1], work)
+    reach(gains[1:], work)
+    no_network(work)
+    equivalent_control(nominal_M, nominal_nle, work)
+    work[FLAGS, 0] = 0.0
+    for j in range(JOINTS):
+        work[TAU, j] += work[REACH, j]
+
+
+@kernel
+def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode; see ``Law.step``."""
+    begin(stage, t, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode; see ``Law.sample``."""
+    observe(t, number, trajectory, world, work)
+    control(gains, nominal_M, nominal_nle, work)
+    return command(period, row, world, work, record)
+
+
+LAW = Law(
+    name="smc",
+    title="SMC",
+    summary="τ = τ_eq + k₁S + k₂sw(S) with S = λe + de and a model of the arm",
+    lane=Smc,
+    step=step,
+    sample=sample,
+    model_based=True,
+    network=False,
+)

@@ -1,0 +1,72 @@
+"""JSON Merge Patch (RFC 7396) of an experiment's document."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from robot.laws import LAWS
+from robot.trajectory import CircleTrajectory, HoldTrajectory, QuinticTrajectory, SineTrajectory
+
+Document = dict[str, Any]
+
+_TRAJECTORIES = {
+    "sine": SineTrajectory,
+    "quintic": QuinticTrajectory,
+    "hold": HoldTrajectory,
+    "circle": CircleTrajectory,
+}
+
+
+def _merge(target: Any, patch: Any) -> Any:
+    if not isinstance(patch, Mapping):
+        return patch
+    merged = dict(target) if isinstance(target, Mapping) else {}
+    for key, value in patch.items():
+        if value is None and key != "torque_limit":
+            merged.pop(key, None)
+        else:
+            merged[key] = _merge(merged.get(key), value)
+    return merged
+
+
+def _fitting(before: Any, after: Any, patch: Any, tag: str, known: Mapping[str, Any]) -> Any:
+    """Drop what a newly chosen variant doesn't know, unless the patch itself names it."""
+    if not isinstance(before, Mapping) or not isinstance(after, Mapping):
+        return after
+    variant = after.get(tag)
+    if variant == before.get(tag) or not isinstance(variant, str) or variant not in known:
+        return after
+    fields = known[variant].model_fields
+    return {key: value for key, value in after.items() if key in fields or key in patch}
+
+
+def _renamed_in_place(before: Document, after: Document) -> Document:
+    gone = [name for name in before if name not in after]
+    new = [name for name in after if name not in before]
+    if len(gone) != 1 or len(new) != 1:
+        return after
+    order = [new[0] if name == gone[0] else name for name in before]
+    return {name: after[name] for name in order}
+
+
+def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
+    """Return ``document`` changed by ``patch``; see ``Experiment.patched``.
+
+    One field, ``torque_limit``, takes ``null`` as its value for "off": removing it means the same.
+    """
+    merged: Document = _merge(document, patch)
+    lanes, changes = merged.get("lanes"), patch.get("lanes")
+    if isinstance(lanes, dict) and isinstance(changes, Mapping):
+        before = document["lanes"]
+        law_lanes = {name: law.lane for name, law in LAWS.items()}
+        fitted = {
+            name: _fitting(before.get(name), lane, changes.get(name) or {}, "law", law_lanes)
+            for name, lane in lanes.items()
+        }
+        merged["lanes"] = _renamed_in_place(before, fitted)
+    if isinstance(patch.get("trajectory"), Mapping):
+        merged["trajectory"] = _fitting(
+            document["trajectory"], merged["trajectory"], patch["trajectory"], "kind", _TRAJECTORIES
+        )
+    return merged

@@ -1,0 +1,49 @@
+"""Brings documents of older formats up to date, and refuses those of newer ones by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from robot.errors import FieldError, InvalidExperimentError
+from robot.experiment import FORMAT
+
+Document = dict[str, Any]
+Migration = Callable[[Document], Document]
+
+MIGRATIONS: dict[int, Migration] = {}
+"""From a format to the next: ``MIGRATIONS[1]`` turns a document of format 1 into format 2."""
+
+
+def migrated(
+    document: Document,
+    migrations: Mapping[int, Migration] = MIGRATIONS,
+    current: int = FORMAT,
+) -> Document:
+    """Return a document in the current format; one that names no format counts as current.
+
+    Args:
+        document: an experiment's document of any format; left as it is.
+        migrations: steps from a format to the next.
+        current: format to reach.
+
+    Raises:
+        InvalidExperimentError: for a format that can't be read, newer ones above all.
+    """
+    version = document.get("slidetune", current)
+    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
+        raise _refusal(version, f"slidetune is the file's format, 1 to {current}")
+    if version > current:
+        text = f"written by a newer Slidetune: format {version}, this one reads up to {current}"
+        raise _refusal(version, f"{text}: update Slidetune")
+    while version < current:
+        if version not in migrations:
+            raise _refusal(version, f"format {version} is too old: this one reads format {current}")
+        document = migrations[version](dict(document))
+        version += 1
+    return {**document, "slidetune": current}
+
+
+def _refusal(version: object, message: str) -> InvalidExperimentError:
+    shown = version if isinstance(version, int) else repr(version)[:60]
+    return InvalidExperimentError([FieldError("slidetune", message, shown)])

@@ -1,0 +1,190 @@
+"""A whole run of an experiment, without a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.arm import flange_positions
+from robot.compiled import kernel
+from robot.experiment import Experiment
+from robot.lane import Freeze, Lane
+from robot.metrics import Metrics, measure_lane
+from robot.packed import Packed, pack
+from robot.quantity import JOINTS
+from robot.trajectory import reference
+from robot.workspace import QD, RECORD, RECORD_COLUMNS, VD, WORK_ROWS
+
+Array = np.ndarray
+
+_CHUNK = 500
+"""Steps between two looks at ``cancelled`` (*ours*)."""
+
+
+@dataclass(frozen=True)
+class LaneRun:
+    """What one lane did; row ``i`` holds at ``run.time[i]``, before step ``i``.
+
+    Rows after a lane left its bounds are NaN.
+
+    Attributes:
+        q: joint angles in [rad]. Shape (n, 6).
+        v: joint velocities in [rad/s]. Shape (n, 6).
+        tau: torques in [N m]. Shape (n, 6).
+        S: sliding variables in [rad/s]. Shape (n, 6).
+        f: network outputs in [N m]. Shape (n, 6).
+        weights: norms of the network's weights in [N m]. Shape (n, 6).
+        e: errors ``q_d - q`` in [rad]. Shape (n, 6).
+        de: velocity errors in [rad/s]. Shape (n, 6).
+        flange: flange positions in [m]. Shape (n, 3).
+        flange_desired: desired ones in [m]. Shape (n, 3).
+        layer: boundary layers in [rad/s]. Shape (6,).
+        freeze: why it stopped, or ``None``.
+    """
+
+    q: Array
+    v: Array
+    tau: Array
+    S: Array
+    f: Array
+    weights: Array
+    e: Array
+    de: Array
+    flange: Array
+    flange_desired: Array
+    layer: Array
+    freeze: Freeze | None
+    time: Array = field(repr=False)
+
+    @property
+    def metrics(self) -> Metrics:
+        """Figures over the whole run."""
+        return self.metrics_since(0.0)
+
+    def metrics_since(self, start: float) -> Metrics:
+        """Return the figures from ``start`` [s] to the end, or to where the lane left its bounds."""
+        rows = (self.time >= start) & np.isfinite(self.q[:, 0])
+        if not rows.any():
+            rows[0] = True
+        names = ("e", "de", "tau", "S", "flange", "flange_desired")
+        columns = {name: getattr(self, name)[rows] for name in names}
+        diverged = None if self.freeze is None else self.freeze.time
+        return measure_lane(self.time[rows], columns, self.layer, diverged)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The results of an experiment.
+
+    Attributes:
+        experiment: what was run.
+        time: time in [s]. Shape (n,).
+        q_d: desired angles in [rad]. Shape (n, 6).
+        v_d: desired velocities in [rad/s]. Shape (n, 6).
+        lanes: what each lane did.
+    """
+
+    experiment: Experiment
+    time: Array
+    q_d: Array
+    v_d: Array
+    lanes: dict[str, LaneRun]
+
+
+class CancelledError(Exception):
+    """A run that was told to stop."""
+
+
+@kernel
+def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-def]
+    for row in range(len(time)):
+        reference(time[row], numbers, work)
+        q_d[row] = work[QD]
+        v_d[row] = work[VD]
+
+
+def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
+    """Return q_d [rad] and v_d [rad/s] at given times in [s]. Shapes (n, 6)."""
+    q_d, v_d = np.empty((len(time), JOINTS)), np.empty((len(time), JOINTS))
+    _desired_motion(time, packed.trajectory, np.zeros((WORK_ROWS, JOINTS)), q_d, v_d)
+    return q_d, v_d
+
+
+def _run_lane(
+    lane: Lane, packed: Packed, time: Array, pause: Callable[[float], None]
+) -> None:
+    """Step one lane through all rows, or until it leaves its bounds."""
+    step, rows = lane.step, len(time)
+    instants = time.tolist()
+    for begin in range(0, rows, _CHUNK):
+        pause(begin / rows)
+        for row in range(begin, min(begin + _CHUNK, rows)):
+            joint = step(instants[row], row, row)
+            if joint:
+                lane.stop(packed, instants[row], joint)
+                lane.record[row + 1 :] = np.nan
+                return
+
+
+def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array) -> LaneRun:
+    record = lane.record
+    columns = {
+        name: np.ascontiguousarray(record[:, JOINTS * i : JOINTS * (i + 1)])
+        for i, name in enumerate(RECORD)
+    }
+    e, de = columns.pop("q_d") - columns["q"], columns.pop("v_d") - columns["v"]
+    layer = getattr(packed.experiment.lanes[lane.name], "epsilon", 0.0)
+    return LaneRun(
+        **columns,
+        e=e,
+        de=de,
+        flange=flange_positions(columns["q"]),
+        flange_desired=desired,
+        layer=np.broadcast_to(np.asarray(layer, dtype=float), JOINTS),
+        freeze=lane.freeze,
+        time=time,
+    )
+
+
+def simulate(
+    experiment: Experiment,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Run:
+    """Run an experiment over its horizon: no clock, no thread.
+
+    Args:
+        experiment: what to run.
+        progress: called with the share done, 0 to 1, now and then.
+        cancelled: asked now and then; the run stops when it says yes.
+
+    Returns:
+        All columns at every step, both ends included.
+
+    Raises:
+        InvalidExperimentError: if the arm can't follow the trajectory.
+        CancelledError: if ``cancelled`` said yes.
+    """
+    packed = pack(experiment)
+    simulation = experiment.simulation
+    rows = round(simulation.horizon / simulation.row_period) + 1
+    time = np.arange(rows) * simulation.row_period
+    q_d, v_d = desired_motion(packed, time)
+    desired = flange_positions(q_d)
+    lanes: dict[str, LaneRun] = {}
+    for index, name in enumerate(experiment.lanes):
+
+        def pause(share: float, index: int = index) -> None:
+            if cancelled is not None and cancelled():
+                raise CancelledError
+            if progress is not None:
+                progress((index + share) / len(experiment.lanes))
+
+        lane = Lane(name, packed, np.zeros((rows, RECORD_COLUMNS)))
+        _run_lane(lane, packed, time, pause)
+        lanes[name] = _lane_run(lane, packed, time, desired)
+    if progress is not None:
+        progress(1.0)
+    return Run(experiment, time, q_d, v_d, lanes)

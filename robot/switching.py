@@ -1,0 +1,127 @@
+"""Switching functions and reaching laws: value and slope.
+
+e = q_d - q, so that a positive sliding variable asks for a positive torque.
+"""
+
+from __future__ import annotations
+
+from math import copysign, tanh
+from typing import Literal
+
+import numpy as np
+
+from robot.compiled import kernel
+from robot.quantity import JOINTS, Number, PerJoint, Section, field
+from robot.workspace import GAIN, REACH, S
+
+Array = np.ndarray
+
+Switching = Literal["tanh", "saturation", "sign"]
+Reaching = Literal["exponential", "constant", "power"]
+
+SWITCHINGS: tuple[Switching, ...] = ("tanh", "saturation", "sign")
+REACHINGS: tuple[Reaching, ...] = ("exponential", "constant", "power")
+
+TANH, SATURATION, SIGN = 0, 1, 2
+EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
+
+K1, K2, EPSILON, ALPHA, CODES = range(5)
+REACHING_ROWS = 5
+
+
+class ReachingGains(Section):
+    """Reaching law of a lane (Eq. 10-13)."""
+
+    k1: PerJoint = field(
+        150.0, title="Proportional reaching gain", symbol="k₁", unit="N·m·s/rad", low=0.0,
+        high=1000.0, step=1.0, equation="Eq. 13", group="Reaching", source="published",
+        meaning="Torque per unit of the sliding variable: how hard the loop is drawn to S = 0.",
+    )
+    k2: PerJoint = field(
+        150.0, title="Switching gain", symbol="k₂", unit="N·m", low=0.0, high=1000.0, step=1.0,
+        equation="Eq. 13", group="Reaching", source="published",
+        meaning="Greatest torque of the switching term: what it can hold against a disturbance.",
+    )
+    epsilon: PerJoint = field(
+        1.0, title="Boundary layer", symbol="ε", unit="rad/s", low=1e-4, high=10.0, step=0.01,
+        scale="log", equation="Eq. 13", group="Reaching", source="published",
+        meaning="Width over which tanh and saturation pass from -1 to 1; sign ignores it.",
+    )
+    switching: Switching = field(
+        "tanh", title="Switching function", symbol="sw", equation="Eq. 13", group="Reaching",
+        source="published",
+        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters.",
+    )
+    reaching: Reaching = field(
+        "exponential", title="Reaching law", equation="Eq. 10-13", group="Reaching",
+        source="published",
+        meaning="Exponential k₁S + k₂sw(S) (Eq. 11; with tanh Eq. 13), constant k₂sw(S) (Eq. 10) "
+        "or power k₁|S|^α sw(S) (Eq. 12).",
+    )
+    alpha: Number = field(
+        0.5, title="Power of the reaching law", symbol="α", low=0.05, high=0.95, step=0.05,
+        equation="Eq. 12", group="Reaching",
+        meaning="Exponent of the power reaching law; the other two ignore it.",
+    )
+
+    def pack_reaching(self) -> Array:
+        """Return the reaching law as numbers. Shape (5, 6)."""
+        block = np.zeros((REACHING_ROWS, JOINTS))
+        block[K1], block[K2], block[EPSILON], block[ALPHA] = (
+            self.k1, self.k2, self.epsilon, self.alpha,
+        )
+        block[CODES, :2] = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching)
+        return block
+
+
+@kernel
+def switch(code, s, epsilon):  # type: ignore[no-untyped-def]
+    r"""Switching function and its slope.
+
+    .. math:: \tanh(S/\epsilon), \quad \operatorname{clip}(S/\epsilon, -1, 1), \quad
+        \operatorname{sign}(S)
+
+    Args:
+        code: TANH, SATURATION or SIGN.
+        s: sliding variable of one joint in [rad/s].
+        epsilon: boundary layer in [rad/s].
+
+    Returns:
+        Value [-] and slope in [s/rad]; the slope of sign is 0.
+    """
+    if code == TANH:
+        value = tanh(s / epsilon)
+        return value, (1.0 - value * value) / epsilon
+    if code == SATURATION:
+        if abs(s) < epsilon:
+            return s / epsilon, 1.0 / epsilon
+        return copysign(1.0, s), 0.0
+    return (0.0 if s == 0.0 else copysign(1.0, s)), 0.0
+
+
+@kernel
+def reach(block, work):  # type: ignore[no-untyped-def]
+    r"""Reaching law of every joint (Liu et al. 2025, Eq. 10-13): value into REACH, slope into GAIN.
+
+    .. math:: k_1 S + k_2\,\mathrm{sw}(S), \quad k_2\,\mathrm{sw}(S), \quad
+        k_1 |S|^\alpha\,\mathrm{sw}(S)
+
+    Args:
+        block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
+        work: workspace; reads S.
+    """
+    switching, law = block[CODES, 0], block[CODES, 1]
+    for j in range(JOINTS):
+        s, k1, k2 = work[S, j], block[K1, j], block[K2, j]
+        value, slope = switch(switching, s, block[EPSILON, j])
+        if law == EXPONENTIAL:
+            work[REACH, j] = k1 * s + k2 * value
+            work[GAIN, j] = k1 + k2 * slope
+        elif law == CONSTANT:
+            work[REACH, j] = k2 * value
+            work[GAIN, j] = k2 * slope
+        else:
+            size = max(abs(s), 1e-12)
+            power = size ** block[ALPHA, j]
+            work[REACH, j] = k1 * power * value
+            work[GAIN, j] = k1 * power * (slope + block[ALPHA, j] * abs(value) / size)
