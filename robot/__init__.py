@@ -3,5 +3,8 @@
 from __future__ import annotations
 
 from robot.experiment import Experiment
+from robot.presets import load_preset, save_preset
+from robot.simulate import Run, simulate
+from robot.version import __version__
 
-__all__ = ["Experiment"]
+__all__ = ["Experiment", "Run", "__version__", "load_preset", "save_preset", "simulate"]

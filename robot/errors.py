@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 class SlidetuneError(Exception):
@@ -42,6 +43,10 @@ class InvalidExperimentError(SlidetuneError, ValueError):
         self.fields = tuple(fields)
         super().__init__("\n".join(str(field) for field in self.fields))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel between processes whole."""
+        return type(self), (self.fields,), {"args": self.args}
+
 
 class PresetSyntaxError(InvalidExperimentError):
     """A preset's text that isn't a plain YAML mapping within the size limits."""
@@ -57,6 +62,10 @@ class UnknownPresetError(SlidetuneError, KeyError):
 
 class PresetConflictError(SlidetuneError, ValueError):
     """A preset of that name exists already, or ships with the program and is read-only."""
+
+
+class PresetStorageError(SlidetuneError, OSError):
+    """The folder of the user's presets can't be written."""
 
 
 class UnreachableError(SlidetuneError, ValueError):

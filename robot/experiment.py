@@ -153,9 +153,9 @@ class Experiment(Section):
     """One experiment: immutable, complete, comparable with ``==``."""
 
     slidetune: Literal[1] = FORMAT
-    title: str = Field("", max_length=120, title="Title", description="Name on the screen.")
+    title: str = Field(default="", max_length=120, title="Title", description="Name on the screen.")
     description: str = Field(
-        "", max_length=4000, title="Description", description="What to look at."
+        default="", max_length=4000, title="Description", description="What to look at."
     )
     robot: Robot = Robot()
     lanes: dict[LaneName, Lane] = Field(  # type: ignore[valid-type]

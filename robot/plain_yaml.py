@@ -186,9 +186,9 @@ class _Builder:
     def _value(self, event: NodeEvent, path: str, depth: int) -> Any:
         line = event.start_mark.line + 1
         if isinstance(event, AliasEvent) or event.anchor is not None:
-            raise _refused("anchors (&) and aliases (*) are not taken: repeat the value", line, path)
-        if event.tag is not None:
-            raise _refused(f"tags are not taken: leave out {str(event.tag)[:60]}", line, path)
+            raise _refused("anchors & and aliases * are not taken: repeat the value", line, path)
+        if (tag := getattr(event, "tag", None)) is not None:
+            raise _refused(f"tags are not taken: leave out {str(tag)[:60]}", line, path)
         if isinstance(event, ScalarEvent):
             return _resolved(event, path)
         if depth > DEEPEST:

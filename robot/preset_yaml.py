@@ -121,11 +121,11 @@ def _number(value: Any) -> Any:
     return int(value) if whole and str(value) != "-0.0" else value
 
 
-def _text(value: str) -> str:
+def _text(value: str) -> Any:
     return value if is_plain_text(value) else DoubleQuotedScalarString(value)
 
 
-def _block(value: str) -> str:
+def _block(value: str) -> Any:
     """Return text as a literal block where a block keeps every character of it."""
     lines = value.split("\n")
     tame = value.replace("\n", "").isprintable() and value[:1] not in ("", " ", "\n")
@@ -145,7 +145,7 @@ def _heading(info: FieldInfo, value: Any) -> str:
 
 
 def _comment(name: str, info: FieldInfo, value: Any) -> str:
-    """Return ``ν, 1/s, Eq. 5: error gain``, or the choices of a value in words."""
+    """Return symbol, unit, equation and name of a value, and the choices where it has some."""
     if name == "law":
         return LAWS[value].summary
     extra = _extra(info)

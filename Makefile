@@ -1,0 +1,89 @@
+# Everything goes through the folder .venv, which make sets up by itself and keeps up to date.
+# Written for GNU make 3.81, the one that macOS ships.
+
+PYTHON =
+ARGS =
+
+SHELL = /bin/sh
+VENV = .venv
+VENV_PYTHON = $(VENV)/bin/python
+INSTALLED = $(VENV)/installed
+PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3.14 python3 python
+SUITABLE = import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))
+# The lock names the newest versions that still run on the oldest Python.
+LOCK_PYTHON = python3.11
+LOCK_VENV = build/lock
+NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
+
+.DEFAULT_GOAL = help
+.PHONY: help run install test check format bench lock clean always
+
+help:  ## Show this list
+	@echo 'make run      then open the address that it prints'
+	@echo
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  %-8s  %s\n", $$1, $$2 }' Makefile
+	@echo
+	@echo 'ARGS passes options on: make run ARGS="--port 9000", make test ARGS="-k network".'
+	@echo 'PYTHON chooses another Python for .venv: make install PYTHON=/path/to/python3'
+
+run: $(INSTALLED)  ## Run the dashboard
+	$(VENV_PYTHON) -m server serve $(ARGS)
+
+install: $(INSTALLED)  ## Set up .venv with everything that run, test and check need
+
+test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
+	@CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
+	echo 'python -m pytest $(ARGS)' && $(VENV_PYTHON) -m pytest $(ARGS)
+
+check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
+	$(VENV_PYTHON) -m ruff check .
+	$(VENV_PYTHON) -m ruff format --check .
+	$(VENV_PYTHON) -m mypy
+
+format: $(INSTALLED)  ## Lay the code out and sort its imports
+	$(VENV_PYTHON) -m ruff check --select I --fix .
+	$(VENV_PYTHON) -m ruff format .
+
+bench: $(INSTALLED)  ## Measure the time of a control step
+	$(VENV_PYTHON) -m server bench $(ARGS)
+
+lock:  ## Write requirements.lock anew with today's versions
+	$(LOCK_PYTHON) -m venv --clear $(LOCK_VENV)
+	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check hatchling editables '.[test,check]'
+	@intel=`grep 'sys_platform == "darwin"' requirements.lock`; \
+	{ grep '^#' requirements.lock; \
+	$(LOCK_VENV)/bin/python -m pip freeze --exclude slidetune | while read -r line; do \
+	case "$$intel" in \
+	*"$${line%%==*}=="*) echo "$$line ; "'$(NOT_INTEL_MAC)';; \
+	*) echo "$$line";; \
+	esac; done; echo "$$intel"; } | LC_ALL=C sort -f > $(LOCK_VENV)/requirements.lock
+	mv $(LOCK_VENV)/requirements.lock requirements.lock
+
+clean:  ## Remove .venv and everything else that was generated
+	rm -rf $(VENV) build dist test-results .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# A .venv whose Python is gone (after an upgrade of the system, say) is set up anew.
+always:
+BROKEN := $(shell $(VENV_PYTHON) -c '' 2>/dev/null || echo always)
+
+$(INSTALLED): pyproject.toml requirements.lock $(BROKEN)
+	@rm -f $@; \
+	if ! $(VENV_PYTHON) -c '$(SUITABLE)' 2>/dev/null; then \
+	  for candidate in $(PYTHONS); do \
+	    if "$$candidate" -c '$(SUITABLE)' 2>/dev/null; then found=$$candidate; break; fi; \
+	  done; \
+	  if [ -z "$$found" ]; then \
+	    echo 'Slidetune needs Python 3.11, 3.12, 3.13 or 3.14 with its venv module: found none.' >&2; \
+	    echo '  Debian, Ubuntu:  sudo apt install python3 python3-venv' >&2; \
+	    echo '  Fedora:          sudo dnf install python3' >&2; \
+	    echo '  macOS:           brew install python@3.13' >&2; \
+	    echo '  One elsewhere:   make $(or $(MAKECMDGOALS),install) PYTHON=/path/to/python3' >&2; \
+	    exit 1; \
+	  fi; \
+	  echo "Setting up .venv with $$("$$found" --version) …"; \
+	  "$$found" -m venv --clear $(VENV) || exit 1; \
+	fi
+	PIP_CONSTRAINT=requirements.lock PIP_BUILD_CONSTRAINT=requirements.lock \
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --editable '.[test,check]'
+	@touch $@

@@ -1,0 +1,38 @@
+"""Compiles every kernel before it is needed, with progress: the first time takes a minute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from robot.experiment import Experiment
+from robot.laws import LAWS
+from robot.packed import pack
+from robot.simulate import simulate
+from robot.stability import worst_margin
+
+Progress = Callable[[int, int, str], None]
+
+
+def _experiment(law: str, mode: str) -> Experiment:
+    simulation = {"mode": mode, "horizon": 0.1, "step": 0.005, "control_rate": 200.0}
+    return Experiment.from_document({"lanes": {"A": {"law": law}}, "simulation": simulation})
+
+
+def warm_up(progress: Progress | None = None) -> None:
+    """Run every law once in both modes, so that all kernels are compiled and loaded.
+
+    Args:
+        progress: called before each part with its number, how many there are, and its name.
+    """
+    parts = [(law, mode) for law in LAWS for mode in ("continuous", "sampled")]
+    for number, (law, mode) in enumerate(parts):
+        if progress is not None:
+            progress(number, len(parts), f"{LAWS[law].title}, {mode}")
+        experiment = _experiment(law, mode)
+        simulate(experiment)
+        worst_margin(pack(experiment), "A")
+    if progress is not None:
+        progress(len(parts), len(parts), "")
+
+
+

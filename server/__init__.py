@@ -1,0 +1,1 @@
+"""The HTTP and WebSocket server around a live session; imports `robot`, never the other way."""

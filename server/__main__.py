@@ -1,0 +1,7 @@
+"""The command line; ``python -m server`` without more serves the dashboard."""
+
+from __future__ import annotations
+
+from server.cli import main
+
+main()

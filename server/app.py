@@ -1,0 +1,97 @@
+"""The application: routes, errors, static files, and what starts and stops with it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+
+from fastapi import FastAPI
+from fastapi.responses import FileResponse
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+
+from robot import __version__
+from server.access import Access, AccessPolicy
+from server.hub import Hub
+from server.places import PLOTLY, WEB
+from server.refusals import install_refusals
+from server.routes.docs import docs_router
+from server.routes.experiment import experiment_router
+from server.routes.live import live_router
+from server.routes.presets import presets_router
+from server.routes.session import session_router
+from server.scene_relay import scene_router
+from server.studio import Studio
+
+_DESCRIPTION = """
+The live session of a JAKA Zu 5 under sliding-mode control: one document (the experiment), changed
+by JSON Merge Patches; commands to the session; presets. Live data come over the WebSocket at
+`/api/live`: JSON messages with a `type`, and binary frames of `<IIIIdd` (revision, rows, columns,
+dropped, time of the first row, time between rows) followed by columns of float32 in the order of
+`hello.channels`.
+"""
+
+
+class _Revalidated(StaticFiles):
+    """Static files that a browser asks for again, so that an update is seen at once."""
+
+    def file_response(self, *args: object, **kwargs: object) -> object:  # type: ignore[override]
+        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
+        response.headers["cache-control"] = "no-cache"
+        return response
+
+
+def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
+    """Return the whole application.
+
+    Args:
+        studio: session, document and scene; started and stopped with the application.
+        policy: who may talk to it.
+
+    Returns:
+        An ASGI application, guarded.
+    """
+    hub = Hub(studio)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        task = hub.start()
+        studio.start()
+        try:
+            yield
+        finally:
+            task.cancel()
+            with suppress(asyncio.CancelledError):
+                await task
+            await asyncio.to_thread(studio.stop)
+
+    app = FastAPI(
+        title="Slidetune",
+        version=__version__,
+        description=_DESCRIPTION,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+    )
+    install_refusals(app)
+    app.include_router(session_router(studio))
+    app.include_router(experiment_router(studio))
+    app.include_router(presets_router(studio))
+    app.include_router(live_router(studio, hub))
+    app.include_router(docs_router())
+    app.include_router(scene_router(studio.view.scene.port))
+    _serve_page(app)
+    return Access(app, policy)
+
+
+def _serve_page(app: FastAPI) -> None:
+    @app.get("/", include_in_schema=False)
+    async def page() -> FileResponse:
+        return FileResponse(WEB / "index.html", headers={"cache-control": "no-cache"})
+
+    @app.get("/static/plotly.min.js", include_in_schema=False)
+    async def plotly_bundle() -> FileResponse:
+        return FileResponse(PLOTLY, headers={"cache-control": "no-cache"})
+
+    app.mount("/static", _Revalidated(directory=WEB), name="static")

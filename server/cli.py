@@ -1,0 +1,176 @@
+"""Commands: serve, run, paper, bench."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+# Everything that is slow to import waits for the command that needs it.
+
+BAD_INPUT = 2
+"""Exit code where a value, a file or a name is refused."""
+DIVERGED = 3
+"""Exit code of ``run`` where a lane left its bounds."""
+
+cli = typer.Typer(
+    help="Tune sliding-mode controllers of a six-joint arm in the browser.",
+    add_completion=False,
+    no_args_is_help=False,
+    pretty_exceptions_enable=False,
+)
+console = Console(stderr=True, highlight=False)
+
+Port = Annotated[int, typer.Option(min=0, max=65535, help="The next free one if it is taken.")]
+PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
+PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML file.")]
+JsonOption = Annotated[
+    str, typer.Option("--json", metavar="FILE", help="Write JSON; - for standard output.")
+]
+CsvOption = Annotated[
+    str, typer.Option("--csv", metavar="FILE", help="Write all columns; - for standard output.")
+]
+PageOption = Annotated[
+    str, typer.Option("--html", metavar="FILE", help="Write a page of figures; works offline.")
+]
+
+
+@cli.callback(invoke_without_command=True)
+def default(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    """Serve the dashboard where no command is given."""
+    if version:
+        from robot.version import __version__
+
+        print(__version__)
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        serve()
+
+
+@cli.command()
+def serve(
+    host: Annotated[str, typer.Option(help="Any but loopback asks for a token.")] = "127.0.0.1",
+    port: Port = 8000,
+    preset: PresetOption = "paper",
+    browser: Annotated[bool, typer.Option(help="Open the dashboard in a browser.")] = True,
+) -> None:
+    """Serve the dashboard."""
+    from robot.presets import load_preset
+    from server.serve import serve as serve_dashboard
+    from server.warmup_bar import warm_up_with_bar
+
+    experiment = load_preset(preset)
+    warm_up_with_bar(console)
+    name = "" if Path(preset).suffix else preset
+    serve_dashboard(experiment, name, host, port, browser)
+
+
+@cli.command()
+def run(
+    preset: PresetArgument,
+    since: Annotated[
+        float, typer.Option(min=0.0, metavar="SECONDS", help="Leave out what was before.")
+    ] = 0.0,
+    json: JsonOption = "",
+    csv: CsvOption = "",
+    html: PageOption = "",
+) -> None:
+    """Run an experiment over its horizon and print the figures of every lane.
+
+    Ends with 0, with 2 where something is refused, and with 3 where a lane left its bounds.
+    """
+    from robot.presets import load_preset
+    from server.output_file import check_outputs, write_output
+    from server.run_bar import simulate_with_bar
+    from server.run_columns import csv_lines
+    from server.run_figures import run_page
+    from server.run_report import json_text, print_report, report
+
+    experiment = load_preset(preset)
+    horizon = experiment.simulation.horizon
+    if not since < horizon:
+        text = f"must be less than the horizon of {horizon:g} s, got {since:g}."
+        raise typer.BadParameter(text, param_hint="--since")
+    check_outputs(json, csv, html)
+    result = simulate_with_bar(experiment, console)
+    document = report(result, since)
+    if json:
+        write_output(json, [json_text({"preset": preset, **document}), "\n"])
+    if csv:
+        write_output(csv, csv_lines(result))
+    if html:
+        write_output(html, [run_page(result)])
+    if "-" not in (json, csv, html):
+        print_report(document, _output())
+    if any(lane.freeze for lane in result.lanes.values()):
+        raise typer.Exit(DIVERGED)
+
+
+@cli.command()
+def paper(html: PageOption = "") -> None:
+    """Compare with the published Table 2, and draw Figures 4 to 15 and 17 to 19."""
+    from server.output_file import check_outputs, write_output
+    from server.paper_figures import paper_page
+    from server.paper_table import PRESETS, print_comparison
+    from server.run_bar import simulate_presets
+
+    check_outputs(html)
+    runs = simulate_presets(PRESETS, console)
+    if html:
+        write_output(html, [paper_page(runs)])
+    if html != "-":
+        print_comparison(runs, _output())
+
+
+@cli.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Seconds, not a minute; noisy.")] = False,
+    live: Annotated[bool, typer.Option(help="Measure a running server too.")] = True,
+    json: JsonOption = "",
+) -> None:
+    """Measure the control step, whole runs and the live session on this machine."""
+    from server.bench import bench_text, measure, print_bench
+    from server.output_file import check_outputs, write_output
+    from server.warmup_bar import warm_up_with_bar
+
+    check_outputs(json)
+    warm_up_with_bar(console)
+    results = measure(quick, live, console)
+    if json:
+        write_output(json, [bench_text(results), "\n"])
+    if json != "-":
+        print_bench(results, _output())
+
+
+def _output() -> Console:
+    """Return standard output; wide where no screen limits it, so that no table is broken."""
+    output = Console(highlight=False)
+    return output if output.is_terminal else Console(highlight=False, width=160)
+
+
+def _tell(error: Exception) -> None:
+    console.print(Text("Error: ", style="red"), Text(str(error)), sep="", soft_wrap=True)
+
+
+def main() -> None:
+    """Run the command line; errors of ours are told in words, without a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console that knows no Greek still gets numbers
+    try:
+        cli()
+    except Exception as error:
+        from robot.errors import SlidetuneError
+
+        if not isinstance(error, SlidetuneError | OSError):
+            raise
+        _tell(error)
+        sys.exit(BAD_INPUT if isinstance(error, SlidetuneError) else 1)

@@ -1,0 +1,111 @@
+"""The live document: the experiment in force, its revision, and where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+from robot.experiment import Experiment
+from robot.packed import Packed, pack
+from server.colors import LaneColors
+from server.session import Session
+
+Listener = Callable[["Change"], None]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One accepted change of the document.
+
+    Attributes:
+        revision: the revision that it made.
+        experiment: the experiment after it.
+        patch: the merge patch, or ``None`` where the whole document was replaced.
+        author: id of the client that asked, or an empty text.
+        request: the client's own number for its request, or ``None``.
+    """
+
+    revision: int
+    experiment: Experiment
+    patch: Mapping[str, Any] | None
+    author: str
+    request: Any = None
+
+
+class Document:
+    """The one experiment that all clients share.
+
+    Attributes:
+        experiment: the experiment in force.
+        baseline: the experiment as it was loaded.
+        preset: name of the preset it was loaded from, or an empty text.
+        revision: counts accepted changes, from 1.
+        packed: the experiment as numbers.
+    """
+
+    def __init__(
+        self, packed: Packed, preset: str, session: Session, colors: LaneColors
+    ) -> None:
+        """Start with what the session started with."""
+        self.experiment = self.baseline = packed.experiment
+        self.packed = packed
+        self.preset = preset
+        self.revision = session.revision
+        self.listeners: list[Listener] = []
+        self._session = session
+        self._colors = colors
+        self._lock = Lock()
+
+    def patch(
+        self,
+        patch: Mapping[str, Any],
+        author: str = "",
+        request: Any = None,
+        origins: dict[str, str] | None = None,
+    ) -> Change:
+        """Change the experiment by a JSON Merge Patch; the session takes it at its next step.
+
+        Raises:
+            InvalidExperimentError: naming every refused field; nothing is changed.
+        """
+        with self._lock:
+            packed = pack(self.experiment.patched(patch))
+            self._colors.assign(list(packed.gains))
+            change = self._accept(packed, patch, author, request)
+            self._session.adopt(packed, change.revision, origins)
+            self._tell(change)
+            return change
+
+    def replace(self, experiment: Experiment, preset: str = "", author: str = "") -> Change:
+        """Begin another experiment at time 0.
+
+        Raises:
+            InvalidExperimentError: if the arm can't follow its trajectory; nothing is changed.
+        """
+        with self._lock:
+            packed = pack(experiment)
+            self._colors.assign(list(packed.gains))
+            change = self._accept(packed, None, author, None)
+            self.baseline, self.preset = experiment, preset
+            self._session.load(packed, change.revision)
+            self._tell(change)
+            return change
+
+    def saved_as(self, preset: str) -> None:
+        """Take the experiment in force as the baseline: it was saved under this name."""
+        with self._lock:
+            self.baseline, self.preset = self.experiment, preset
+
+    def _accept(
+        self, packed: Packed, patch: Mapping[str, Any] | None, author: str, request: Any
+    ) -> Change:
+        self.revision += 1
+        self.packed, self.experiment = packed, packed.experiment
+        return Change(self.revision, packed.experiment, patch, author, request)
+
+    def _tell(self, change: Change) -> None:
+        # Inside the lock, so that every listener sees the changes in the order of their revisions.
+        for listener in tuple(self.listeners):
+            listener(change)

@@ -1,0 +1,114 @@
+"""Pulling the arm by its flange: a handle on the screen, a spring, an arrow."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import viser
+
+Array = np.ndarray
+
+STIFFNESS = 500.0
+"""Of the spring between the handle and the flange in [N/m] (*ours*)."""
+STRONGEST = 200.0
+"""Greatest pull in [N] (*ours*)."""
+PATIENCE = 10.0
+"""How long a handle may be held without moving in [s] (*ours*): a browser doesn't always say that
+the pointer has let go."""
+ARROW_COLOR = (224, 62, 82)
+"""*Ours*: a red that no lane has."""
+
+
+@dataclass(frozen=True)
+class _Hold:
+    client: int
+    target: Array
+    heard: float
+
+
+def spring_force(target: Array, flange: Array) -> Array:
+    """Return the pull of the spring, capped.
+
+    Args:
+        target: where the handle is in [m]. Shape (3,).
+        flange: where the flange is in [m]. Shape (3,).
+
+    Returns:
+        Force on the flange in [N], at most ``STRONGEST``. Shape (3,).
+    """
+    force = STIFFNESS * (target - flange)
+    strength = float(np.linalg.norm(force))
+    capped: Array = force * min(1.0, STRONGEST / max(strength, 1e-9))
+    return capped
+
+
+class Gizmo:
+    """The handle at the flange.
+
+    ``follow`` and ``force`` belong to the session's thread; the callbacks run on Viser's, in the
+    order of its messages. They meet in one attribute that is replaced as a whole.
+    """
+
+    def __init__(self, viewer: viser.ViserServer) -> None:
+        """Add the handle and its arrow."""
+        self._flange = np.zeros(3)
+        self._hold: _Hold | None = None
+        self._handle = viewer.scene.add_transform_controls(
+            "/pull",
+            scale=58.0,
+            fixed=True,
+            line_width=2.5,
+            disable_rotations=True,
+            depth_test=False,
+            opacity=0.9,
+        )
+        self._arrow = viewer.scene.add_arrows(
+            "/pull_arrow",
+            np.zeros((1, 2, 3)),
+            ARROW_COLOR,
+            shaft_radius=0.006,
+            head_radius=0.016,
+            head_length=0.045,
+            visible=False,
+        )
+        self._handle.on_update(self._dragged)
+        viewer.on_client_disconnect(self._left)
+
+    def follow(self, flange: Array) -> None:
+        """Move the handle to the flange unless somebody holds it, and draw the pull.
+
+        Args:
+            flange: where the flange is drawn in [m]. Shape (3,).
+        """
+        self._flange = flange
+        force = self.force()
+        if force is None:
+            self._handle.position = flange
+        else:
+            self._arrow.points = np.array([[flange, flange + force / STIFFNESS]])
+        self._arrow.visible = force is not None
+
+    def force(self) -> Array | None:
+        """Return the force on the flange in [N] while the handle is held, else ``None``."""
+        hold = self._hold
+        if hold is None or time.monotonic() - hold.heard > PATIENCE:
+            return None
+        return spring_force(hold.target, self._flange)
+
+    async def _dragged(self, event: viser.TransformControlsEvent) -> None:
+        hold = self._hold
+        mine = hold is None or hold.client == event.client_id or self.force() is None
+        if event.phase == "end":
+            self._let_go(event.client_id)
+        elif mine and event.client_id is not None:
+            target = np.array(event.target.position)
+            self._hold = _Hold(event.client_id, target, time.monotonic())
+
+    async def _left(self, client: viser.ClientHandle) -> None:
+        self._let_go(client.client_id)
+
+    def _let_go(self, client: int | None) -> None:
+        if self._hold is not None and self._hold.client == client:
+            self._hold = None

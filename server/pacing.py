@@ -1,0 +1,87 @@
+"""How simulated time keeps pace with the wall's, and says so when it can't."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from time import perf_counter
+
+TICK = 0.01
+"""Wall time between two ticks in [s] (*ours*): a slider's effect waits at most for one."""
+BUSY = 0.7
+"""Greatest share of a tick that may go into stepping (*ours*)."""
+WINDOW = 1.0
+"""Wall time over which the real-time factor is measured in [s] (*ours*)."""
+LONGEST = 0.1
+"""Longest gap between two ticks that is caught up in [s]; a suspended process isn't (*ours*)."""
+
+
+class Pacer:
+    """A budget of simulated time that grows with the wall's and is spent by steps.
+
+    Attributes:
+        speed: simulated seconds a wall second.
+        capped: whether steps were lately too slow for the speed and debt was dropped.
+    """
+
+    def __init__(self, clock: Callable[[], float] = perf_counter) -> None:
+        """Start with an empty budget at speed 1."""
+        self.speed = 1.0
+        self.capped = False
+        self._clock = clock
+        self._capped_at = -1e9
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the budget and the measurements, as after a pause."""
+        self._budget = 0.0
+        self._simulated = 0.0
+        self._last = self._clock()
+        self._marks: deque[tuple[float, float]] = deque([(self._last, 0.0)])
+
+    def begin(self) -> float:
+        """Start a tick: let the budget grow; return the wall time by which stepping must end."""
+        now = self._clock()
+        gap = now - self._last
+        if gap > LONGEST:
+            self._capped_at = now
+        self._budget += min(gap, LONGEST) * self.speed
+        self._last = now
+        return now + BUSY * TICK
+
+    def affords(self, period: float) -> bool:
+        """Say whether the budget holds one more step of ``period`` [s]."""
+        return self._budget >= period
+
+    def spend(self, period: float) -> None:
+        """Take one step of ``period`` [s] from the budget."""
+        self._budget -= period
+        self._simulated += period
+
+    def overdue(self, deadline: float) -> bool:
+        """Say whether the tick's time is up."""
+        return self._clock() >= deadline
+
+    def end(self, period: float) -> None:
+        """End a tick: drop what couldn't be stepped and measure."""
+        now = self._clock()
+        if self._budget >= period:
+            # One tick's worth may wait for the next; more is a debt that would never be paid.
+            allowed = max(period, TICK * self.speed)
+            if self._budget > allowed:
+                self._budget = allowed
+                self._capped_at = now
+        self.capped = now - self._capped_at < WINDOW
+        self._marks.append((now, self._simulated))
+        while len(self._marks) > 2 and now - self._marks[0][0] > WINDOW:
+            self._marks.popleft()
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds a wall second, over the last second."""
+        (begin, before), (end, after) = self._marks[0], self._marks[-1]
+        return (after - before) / (end - begin) if end > begin else 0.0
+
+    def rest(self) -> float:
+        """Return how long to sleep until the next tick in [s]."""
+        return max(0.0, self._last + TICK - self._clock())

@@ -1,0 +1,58 @@
+"""What a person does to the arm: a kick from the screen, a pull at the flange."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from robot.arm import FLANGE
+from robot.closed_loop import ClosedLoop
+from robot.quantity import JOINTS
+from robot.workspace import PUSH, Q
+
+Array = np.ndarray
+
+KICK = (60.0, 60.0, 40.0, 10.0, 5.0, 2.0)
+"""Torque of a kick where none is given in [N m] (*ours*)."""
+KICK_DURATION = 0.1
+"""How long a kick lasts where nothing is said in [s] (*ours*)."""
+
+
+class Push:
+    """The torque that a person puts on the joints of every lane."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self.clear()
+
+    def clear(self) -> None:
+        """Let go."""
+        self._torque = np.zeros(JOINTS)
+        self._until = -1.0
+        self._active = True
+
+    def kick(self, torque: Array, until: float) -> None:
+        """Push with ``torque`` [N m] until simulated time ``until`` [s]."""
+        self._torque, self._until, self._active = torque, until, True
+
+    def apply(self, loop: ClosedLoop, force: Array | None) -> None:
+        r"""Set the push of every lane for its next steps: the kick plus :math:`J^T f`.
+
+        Args:
+            loop: the closed loop.
+            force: force at the flange in [N] in the base frame, or ``None``. Shape (3,).
+        """
+        kicked = loop.time < self._until
+        if not (kicked or force is not None or self._active):
+            return
+        self._active = kicked or force is not None
+        model = loop.packed.model
+        data = model.createData() if force is not None else None
+        for lane in loop.lanes.values():
+            torque = self._torque.copy() if kicked else np.zeros(JOINTS)
+            if data is not None:
+                frame = model.getFrameId(FLANGE)
+                axes = pin.LOCAL_WORLD_ALIGNED
+                jacobian = pin.computeFrameJacobian(model, data, lane.work[Q], frame, axes)
+                torque += jacobian[:3].T @ force
+            lane.work[PUSH] = torque

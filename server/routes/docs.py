@@ -1,0 +1,39 @@
+"""The page at /docs, without any foreign server: Swagger UI comes with an installed package."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse
+from starlette.exceptions import HTTPException
+
+from server.places import WEB
+
+_FILES = ("swagger-ui-bundle.js", "swagger-ui.css")
+
+
+def _folder() -> Path:
+    spec = find_spec("fastapi_offline")
+    assert spec is not None
+    assert spec.origin is not None
+    return Path(spec.origin).parent / "static"
+
+
+def docs_router() -> APIRouter:
+    """Return the routes of the documentation page."""
+    router = APIRouter(include_in_schema=False)
+    folder = _folder()
+
+    @router.get("/docs")
+    async def page() -> FileResponse:
+        return FileResponse(WEB / "docs.html")
+
+    @router.get("/docs/{name}")
+    async def bundle(name: str) -> FileResponse:
+        if name not in _FILES:
+            raise HTTPException(404, f"there is no file {name} here")
+        return FileResponse(folder / name)
+
+    return router

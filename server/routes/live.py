@@ -1,0 +1,165 @@
+"""The live WebSocket: patches and commands in, telemetry and news out."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from contextlib import suppress
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import TypeAdapter, ValidationError
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from robot.errors import FieldError, InvalidExperimentError, SlidetuneError
+from server.contract import (
+    ClientMessage,
+    KickMessage,
+    LaneMessage,
+    PatchMessage,
+    PlainCommand,
+    SelectMessage,
+    SpeedMessage,
+    StepMessage,
+    ViewMessage,
+)
+from server.errors import error_body
+from server.hub import Client, Hub, encode
+from server.refusals import message_body, refusal_body
+from server.studio import Studio
+
+MAX_CLIENTS = 128
+"""Most clients of the live WebSocket at once (*ours*)."""
+
+_MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is not a number that JSON knows")
+
+
+class Conversation:
+    """What one client asks for."""
+
+    def __init__(self, client: Client, studio: Studio, hub: Hub) -> None:
+        """Act for ``client``."""
+        self._client = client
+        self._studio = studio
+        self._hub = hub
+
+    async def hear(self, text: str) -> None:
+        """Act on one message; a bad one is answered to this client alone and changes nothing."""
+        request: Any = None
+        try:
+            data = json.loads(text, parse_constant=_no_constant)
+            request = data.get("id") if isinstance(data, dict) else None
+            await self._act(_MESSAGE.validate_python(data))
+        except ValidationError as error:
+            self._refuse(message_body(error), request)
+        except SlidetuneError as error:
+            self._refuse(refusal_body(error), request)
+        except (ValueError, RecursionError) as error:
+            self._refuse(error_body("bad_message", f"The message isn't JSON: {error}"), request)
+
+    def _refuse(self, body: dict[str, Any], request: Any) -> None:
+        known = request if isinstance(request, int | str) else None
+        self._client.tell(encode({"type": "error", "id": known, **body}))
+
+    async def _act(self, message: Any) -> None:
+        session = self._studio.session
+        match message:
+            case PatchMessage():
+                await self._patch(message.patch, message.id)
+            case PlainCommand():
+                getattr(session, message.type)()
+            case StepMessage():
+                session.step(message.count)
+            case KickMessage():
+                session.kick(message.torque, message.duration)
+            case SpeedMessage():
+                session.set_speed(message.speed)
+                session.ask(session.on_change)
+            case SelectMessage():
+                self._select(message.lane)
+            case ViewMessage():
+                self._view(message)
+            case LaneMessage():
+                await self._duplicate(message)
+
+    async def _patch(
+        self, patch: dict[str, Any], request: Any, origins: dict[str, str] | None = None
+    ) -> None:
+        document = self._studio.document
+        await asyncio.to_thread(document.patch, patch, self._client.name, request, origins)
+
+    async def _duplicate(self, message: LaneMessage) -> None:
+        lanes = self._studio.document.experiment.lanes
+        self._known(message.origin, "origin")
+        if message.name in lanes:
+            text = f"there is a lane named {message.name} already: choose another name"
+            raise InvalidExperimentError([FieldError("name", text, message.name)])
+        gains = lanes[message.origin].model_dump(mode="json")
+        patch = {"lanes": {message.name: gains}}
+        await self._patch(patch, message.id, {message.name: message.origin})
+
+    def _select(self, lane: str) -> None:
+        self._known(lane, "lane")
+        self._studio.view.selected = lane
+        self._studio.session.ask(self._studio.session.on_change)
+
+    def _view(self, message: ViewMessage) -> None:
+        view = self._studio.view
+        if message.exaggeration is not None:
+            view.exaggeration = message.exaggeration
+        if message.ghosts is not None:
+            view.ghosts = message.ghosts
+        self._studio.session.ask(self._studio.session.on_change)
+
+    def _known(self, lane: str, path: str) -> None:
+        lanes = list(self._studio.document.experiment.lanes)
+        if lane not in lanes:
+            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
+            raise InvalidExperimentError([FieldError(path, text, lane)])
+
+
+async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -> None:
+    """Send and hear until either ends."""
+    sender = asyncio.create_task(client.send())
+    try:
+        while True:
+            message = await socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            if message.get("text") is not None:
+                await conversation.hear(message["text"])
+            else:
+                body = error_body("bad_message", "This server hears text messages only.")
+                client.tell(encode({"type": "error", "id": None, **body}))
+            if sender.done():
+                return
+    finally:
+        sender.cancel()
+        with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
+            await sender
+
+
+def live_router(studio: Studio, hub: Hub) -> APIRouter:
+    """Return the live WebSocket."""
+    router = APIRouter()
+
+    @router.websocket("/api/live")
+    async def live(socket: WebSocket) -> None:
+        await socket.accept()
+        if len(hub.clients) >= MAX_CLIENTS:
+            await socket.close(1013, f"{MAX_CLIENTS} clients are connected already.")
+            return
+        client = Client(hub.new_name(), socket, studio)
+        hub.clients.add(client)
+        try:
+            await _talk(socket, client, Conversation(client, studio, hub))
+        except WebSocketDisconnect:
+            pass
+        finally:
+            hub.clients.discard(client)
+
+    return router

@@ -1,0 +1,91 @@
+"""Presets over HTTP: list, read, save, delete, load."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from starlette.concurrency import run_in_threadpool
+
+from robot.presets import PresetStore, preset_store
+from server.contract import ErrorAnswer, ExperimentAnswer, PresetAnswer, PresetList, PresetSummary
+from server.routes.experiment import YAML, parse_experiment, read_body, yaml_response
+from server.studio import Studio
+
+_UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
+_CONFLICT: dict[int | str, dict[str, Any]] = {
+    **_UNKNOWN,
+    409: {"model": ErrorAnswer},
+    422: {"model": ErrorAnswer},
+}
+
+
+def _summary(store: PresetStore, name: str) -> dict[str, Any]:
+    return next(asdict(info) for info in store.infos() if info.name == name)
+
+
+def presets_router(studio: Studio) -> APIRouter:
+    """Return the routes of the presets."""
+    router = APIRouter(prefix="/api/presets", tags=["presets"])
+
+    @router.get("", response_model=PresetList)
+    def all_presets() -> dict[str, Any]:
+        """All presets: those that ship first."""
+        return {"presets": [asdict(info) for info in preset_store().infos()]}
+
+    @router.get("/{name}", response_model=PresetAnswer, responses=_UNKNOWN)
+    def one_preset(
+        name: str, request: Request, format: Annotated[Literal["json", "yaml"], Query()] = "json"
+    ) -> Any:
+        """One preset, as JSON or as a YAML download."""
+        store = preset_store()
+        experiment = store.load(name)
+        if format == "yaml" or YAML in request.headers.get("accept", ""):
+            return yaml_response(experiment, name)
+        return {**_summary(store, name), "experiment": experiment.document()}
+
+    @router.put(
+        "/{name}",
+        response_model=PresetSummary,
+        responses=_CONFLICT,
+        openapi_extra={
+            "requestBody": {
+                "content": {
+                    YAML: {"schema": {"type": "string"}},
+                    "application/json": {"schema": {"type": "object"}},
+                },
+            }
+        },
+    )
+    async def save(
+        name: str, request: Request, overwrite: Annotated[bool, Query()] = False
+    ) -> dict[str, Any]:
+        """Save an experiment as a preset of the user's; an empty body saves the live one."""
+        body = await read_body(request)
+        content_type = request.headers.get("content-type", "")
+        store = preset_store()
+        experiment = parse_experiment(body, content_type) if body.strip() else None
+        saved = experiment or studio.document.experiment
+        await run_in_threadpool(store.save, name, saved, overwrite)
+        if experiment is None:
+            studio.document.saved_as(name)
+        return await run_in_threadpool(_summary, store, name)
+
+    @router.delete("/{name}", status_code=204, responses=_CONFLICT)
+    def delete(name: str) -> Response:
+        """Delete one of the user's presets."""
+        preset_store().delete(name)
+        return Response(status_code=204)
+
+    @router.post("/{name}/load", response_model=ExperimentAnswer, responses=_UNKNOWN)
+    def load(name: str) -> dict[str, Any]:
+        """Begin a preset in the live session, at time 0."""
+        change = studio.document.replace(preset_store().load(name), preset=name, author="http")
+        return {
+            "revision": change.revision,
+            "preset": name,
+            "experiment": change.experiment.document(),
+        }
+
+    return router

@@ -1,0 +1,72 @@
+"""The live session over HTTP: where it stands, and commands to it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Body
+
+from server.contract import ErrorAnswer, Health, Kick, SessionState, Speed, Steps
+from server.studio import Studio
+
+REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
+
+
+def session_router(studio: Studio) -> APIRouter:
+    """Return the routes of the live session."""
+    router = APIRouter(prefix="/api", tags=["session"])
+    session = studio.session
+
+    @router.get("/health", response_model=Health)
+    async def health() -> dict[str, Any]:
+        """Whether the server is well."""
+        return studio.health()
+
+    @router.get("/session", response_model=SessionState)
+    async def state() -> dict[str, Any]:
+        """Where the live session stands."""
+        return studio.state()
+
+    @router.patch("/session", response_model=SessionState, responses=REFUSED)
+    async def change(speed: Speed) -> dict[str, Any]:
+        """Change the speed; it takes effect with the next step."""
+        session.set_speed(speed.speed)
+        return {**studio.state(), "speed": speed.speed}
+
+    @router.post("/session/play", status_code=202)
+    async def play() -> dict[str, bool]:
+        """Let time go on."""
+        session.play()
+        return {"accepted": True}
+
+    @router.post("/session/pause", status_code=202)
+    async def pause() -> dict[str, bool]:
+        """Hold time."""
+        session.pause()
+        return {"accepted": True}
+
+    @router.post("/session/step", status_code=202, responses=REFUSED)
+    async def step(steps: Annotated[Steps | None, Body()] = None) -> dict[str, bool]:
+        """Pause and make some steps."""
+        session.step((steps or Steps()).count)
+        return {"accepted": True}
+
+    @router.post("/session/reset", status_code=202)
+    async def reset() -> dict[str, bool]:
+        """Go back to time 0 and thaw every lane."""
+        session.reset()
+        return {"accepted": True}
+
+    @router.post("/session/kick", status_code=202, responses=REFUSED)
+    async def kick(push: Annotated[Kick | None, Body()] = None) -> dict[str, bool]:
+        """Push the joints of all lanes."""
+        push = push or Kick()
+        session.kick(push.torque, push.duration)
+        return {"accepted": True}
+
+    @router.get("/metrics")
+    def metrics() -> dict[str, Any]:
+        """Figures of every lane since the reset and over the last ten seconds, and remarks."""
+        return studio.metrics()
+
+    return router

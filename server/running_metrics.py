@@ -1,0 +1,125 @@
+"""Figures of a lane that grow with every tick: since the reset, and over the last ten seconds."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robot.quantity import JOINTS
+from server.telemetry import Channel
+
+Array = np.ndarray
+
+RECENT = 10
+"""Length of the recent window in whole seconds of simulated time (*ours*)."""
+
+
+def _six() -> Array:
+    return np.zeros(JOINTS)
+
+
+@dataclass
+class Sums:
+    """What a span of rows adds up to; spans can be joined."""
+
+    rows: int = 0
+    duration: float = 0.0
+    error: Array = field(default_factory=_six)
+    max_error: Array = field(default_factory=_six)
+    max_velocity_error: Array = field(default_factory=_six)
+    variation: float = 0.0
+    peak_torque: Array = field(default_factory=_six)
+    distance: float = 0.0
+    max_distance: float = 0.0
+
+    def join(self, other: Sums) -> None:
+        """Take another span in."""
+        self.rows += other.rows
+        self.duration += other.duration
+        self.error += other.error
+        self.max_error = np.maximum(self.max_error, other.max_error)
+        self.max_velocity_error = np.maximum(self.max_velocity_error, other.max_velocity_error)
+        self.variation += other.variation
+        self.peak_torque = np.maximum(self.peak_torque, other.peak_torque)
+        self.distance += other.distance
+        self.max_distance = max(self.max_distance, other.max_distance)
+
+    def document(self) -> dict[str, Any] | None:
+        """Return the figures as plain JSON values, ``None`` before the first row."""
+        if self.rows == 0:
+            return None
+        return {
+            "mae": (self.error / self.rows).tolist(),
+            "max_error": self.max_error.tolist(),
+            "max_velocity_error": self.max_velocity_error.tolist(),
+            "chattering": self.variation / max(self.duration, 1e-9),
+            "peak_torque": self.peak_torque.tolist(),
+            "flange_rms": float(np.sqrt(self.distance / self.rows)),
+            "flange_max": self.max_distance,
+        }
+
+
+class RunningMetrics:
+    """The figures of one lane while it runs."""
+
+    def __init__(self, columns: list[Channel], lane: str) -> None:
+        """Find the lane's columns."""
+        self._columns = {
+            group: [i for i, c in enumerate(columns) if c.group == group and c.lane == owner]
+            for group, owner in (
+                ("e", lane), ("de", lane), ("tau", lane), ("flange", lane), ("flange_d", ""),
+            )
+        }
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything, as after a reset."""
+        self.total = Sums()
+        self._seconds: deque[tuple[int, Sums]] = deque()
+        self._torque: Array | None = None
+
+    def add(self, rows: Array, time: float, period: float) -> None:
+        """Take rows in.
+
+        Args:
+            rows: telemetry. Shape (n, columns).
+            time: time of the first in [s].
+            period: time between rows in [s].
+        """
+        sums = self._sums(rows, period)
+        self.total.join(sums)
+        second = int(time)
+        if self._seconds and self._seconds[-1][0] == second:
+            self._seconds[-1][1].join(sums)
+        else:
+            self._seconds.append((second, sums))
+            while self._seconds[0][0] <= second - RECENT:
+                self._seconds.popleft()
+
+    def _sums(self, rows: Array, period: float) -> Sums:
+        error, torque = np.abs(rows[:, self._columns["e"]]), rows[:, self._columns["tau"]]
+        gap = rows[:, self._columns["flange"]] - rows[:, self._columns["flange_d"]]
+        squares = np.einsum("ij,ij->i", gap, gap)
+        chain = torque if self._torque is None else np.vstack([self._torque, torque])
+        self._torque = torque[-1:].copy()
+        return Sums(
+            rows=len(rows),
+            duration=len(rows) * period,
+            error=error.sum(axis=0),
+            max_error=error.max(axis=0),
+            max_velocity_error=np.abs(rows[:, self._columns["de"]]).max(axis=0),
+            variation=float(np.abs(np.diff(chain, axis=0)).sum()),
+            peak_torque=np.abs(torque).max(axis=0),
+            distance=float(squares.sum()),
+            max_distance=float(np.sqrt(squares.max())),
+        )
+
+    def document(self) -> dict[str, Any]:
+        """Return ``total`` and ``recent`` as plain JSON values."""
+        recent = Sums()
+        for _, sums in tuple(self._seconds):
+            recent.join(sums)
+        return {"total": self.total.document(), "recent": recent.document()}

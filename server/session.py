@@ -1,0 +1,294 @@
+"""The live session: the one thread that steps the closed loop.
+
+Other threads ask; this one does, at the top of its next tick. Nothing else touches the loop.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+from threading import Event, Thread
+from typing import Any, Protocol
+
+import numpy as np
+
+from robot.closed_loop import ClosedLoop
+from robot.lane import Freeze
+from robot.packed import Packed
+from robot.workspace import Q
+from server.pacing import TICK, Pacer
+from server.push import Push
+from server.running_metrics import RunningMetrics
+from server.telemetry import Channel, Telemetry, rows_of
+
+log = logging.getLogger("slidetune.session")
+
+BUFFER = 4096
+"""Steps that a lane's record holds between two ticks (*ours*)."""
+SPEEDS = (0.1, 10.0)
+"""Least and greatest speed [-] (*ours*)."""
+
+Array = np.ndarray
+Request = Callable[[], None]
+
+
+class View(Protocol):
+    """What the session feeds; see ``server.stage_view``."""
+
+    def force(self) -> Array | None:
+        """Return the force by which somebody pulls at the flange in [N], or ``None``."""
+
+    def new_lanes(self, columns: list[Channel]) -> None:
+        """Take the columns of other lanes."""
+
+    def add(self, rows: Array, period: float) -> None:
+        """Take new rows of telemetry."""
+
+    def restart(self) -> None:
+        """Forget the past: time is 0 again."""
+
+    def draw(self, loop: ClosedLoop) -> None:
+        """Show the present, if it is time."""
+
+
+class Session:
+    """The closed loop in real time.
+
+    Attributes:
+        loop: the closed loop; touched by the session's thread alone.
+        telemetry: the rows for all clients; another object after a change of lanes.
+        metrics: figures by lane.
+        revision: revision of the experiment in force.
+        epoch: counts resets and loaded experiments.
+        playing: whether time goes on.
+        on_change: called on this thread when ``state`` has changed.
+        on_swap: called on this thread when an edit has taken effect.
+    """
+
+    def __init__(
+        self, packed: Packed, view: View | None = None, pacer: Pacer | None = None
+    ) -> None:
+        """Stand at the beginning of an experiment, paused until ``start``.
+
+        Args:
+            packed: the experiment as numbers.
+            view: the 3D view to feed, if any.
+            pacer: the clock, injected by tests.
+        """
+        self.pacer = pacer or Pacer()
+        self.view = view
+        self.playing = True
+        self.epoch = 0
+        self.revision = 1
+        self.on_change: Callable[[], None] = lambda: None
+        self.on_swap: Callable[[], None] = lambda: None
+        self._push = Push()
+        self._requests: deque[Request] = deque()
+        self._pending: Request | None = None
+        self._wake = Event()
+        self._stopping = False
+        self._thread = Thread(target=self._run, name="slidetune-session", daemon=True)
+        self._begin(packed)
+
+    # --- asked from any thread -----------------------------------------------------------------
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and wait for it."""
+        self._stopping = True
+        self._wake.set()
+        if self._thread.is_alive():
+            self._thread.join(timeout=5.0)
+
+    def ask(self, request: Request) -> None:
+        """Let the session's thread call ``request`` at the top of its next tick, in order."""
+        self._requests.append(request)
+        self._wake.set()
+
+    def adopt(self, packed: Packed, revision: int, origins: dict[str, str] | None = None) -> None:
+        """Swap the experiment at the next step; of several waiting, lanes aside, the last counts.
+
+        Args:
+            packed: the new experiment as numbers.
+            revision: its revision.
+            origins: names of new lanes and of the lanes whose state they continue.
+        """
+        if origins or list(packed.gains) != list(self.loop.lanes):
+            self.ask(lambda: self._swap(packed, revision, origins))
+            return
+        self._pending = lambda: self._swap(packed, revision, None)
+        self.ask(self._take_pending)
+
+    def load(self, packed: Packed, revision: int) -> None:
+        """Begin another experiment at time 0."""
+
+        def begin() -> None:
+            self.revision = revision
+            self._pending = None
+            self._begin(packed)
+
+        self.ask(begin)
+
+    def play(self) -> None:
+        """Let time go on."""
+        self.ask(lambda: self._set_playing(True))
+
+    def pause(self) -> None:
+        """Hold time."""
+        self.ask(lambda: self._set_playing(False))
+
+    def step(self, count: int = 1) -> None:
+        """Pause and make ``count`` steps."""
+
+        def make() -> None:
+            self._set_playing(False)
+            self._advance(count)
+
+        self.ask(make)
+
+    def reset(self) -> None:
+        """Go back to time 0 and thaw every lane."""
+        self.ask(self._reset)
+
+    def kick(self, torque: tuple[float, ...], duration: float) -> None:
+        """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s]."""
+        self.ask(lambda: self._push.kick(np.array(torque), self.loop.time + duration))
+
+    def set_speed(self, speed: float) -> None:
+        """Let ``speed`` simulated seconds pass in one of the wall's."""
+
+        def change() -> None:
+            self.pacer.speed = speed
+
+        self.ask(change)
+
+    def state(self) -> dict[str, Any]:
+        """Return where the session stands, as plain JSON values."""
+        loop = self.loop
+        return {
+            "time": loop.time,
+            "playing": self.playing,
+            "speed": self.pacer.speed,
+            "real_time_factor": self.pacer.real_time_factor if self.playing else 0.0,
+            "capped": self.playing and self.pacer.capped,
+            "revision": self.revision,
+            "epoch": self.epoch,
+            "horizon": loop.packed.experiment.simulation.horizon,
+            "lanes": {name: _status(lane.freeze) for name, lane in tuple(loop.lanes.items())},
+        }
+
+    # --- on the session's thread ---------------------------------------------------------------
+
+    def _run(self) -> None:
+        while not self._stopping:
+            try:
+                self._tick()
+            except Exception:
+                log.exception("The session stumbled and paused.")
+                self.playing = False
+                self.on_change()
+            self._wake.wait(self.pacer.rest() if self.playing else 1.5 * TICK)
+            self._wake.clear()
+
+    def _tick(self) -> None:
+        deadline = self.pacer.begin()
+        while self._requests:
+            self._requests.popleft()()
+        if self.playing:
+            self._advance_until(deadline)
+        self.pacer.end(self.loop.period)
+        if self.view is not None:
+            self.view.draw(self.loop)
+
+    def _advance_until(self, deadline: float) -> None:
+        """Step while the budget and the tick's time last."""
+        period, pacer = self.loop.period, self.pacer
+        while pacer.affords(period) and not pacer.overdue(deadline):
+            count = 0
+            while count < 16 and pacer.affords(period):
+                pacer.spend(period)
+                count += 1
+            self._advance(count)
+
+    def _advance(self, count: int) -> None:
+        """Make ``count`` steps and publish their rows."""
+        loop, time, first = self.loop, self.loop.time, self.loop.number
+        self._push.apply(loop, self.view.force() if self.view is not None else None)
+        frozen = sum(lane.freeze is not None for lane in loop.lanes.values())
+        for _ in range(min(count, BUFFER)):
+            loop.step()
+        rows = rows_of(loop, first, loop.number)
+        self.telemetry.write(rows, time, loop.period, self.revision)
+        for name, metrics in self.metrics.items():
+            freeze = loop.lanes[name].freeze
+            if freeze is None or freeze.time >= time:
+                metrics.add(rows, time, loop.period)
+        if self.view is not None:
+            self.view.add(rows, loop.period)
+        if sum(lane.freeze is not None for lane in loop.lanes.values()) != frozen:
+            self.on_change()
+
+    def _begin(self, packed: Packed) -> None:
+        self.loop = ClosedLoop(packed, BUFFER)
+        self._new_lanes()
+        self._restarted()
+
+    def _new_lanes(self) -> None:
+        self.telemetry = Telemetry(list(self.loop.lanes))
+        columns = self.telemetry.columns
+        self.metrics = {name: RunningMetrics(columns, name) for name in self.loop.lanes}
+        if self.view is not None:
+            self.view.new_lanes(columns)
+
+    def _swap(self, packed: Packed, revision: int, origins: dict[str, str] | None) -> None:
+        before = list(self.loop.lanes)
+        self.loop.adopt(packed, origins)
+        self.revision = revision
+        if list(self.loop.lanes) != before:
+            self._new_lanes()
+        self.on_swap()
+
+    def _take_pending(self) -> None:
+        pending, self._pending = self._pending, None
+        if pending is not None:
+            pending()
+
+    def _set_playing(self, playing: bool) -> None:
+        if playing and not self.playing:
+            self.pacer.restart()
+        self.playing = playing
+        self.on_change()
+
+    def _reset(self) -> None:
+        self.loop.restart()
+        for metrics in self.metrics.values():
+            metrics.restart()
+        self._restarted()
+
+    def _restarted(self) -> None:
+        self.epoch += 1
+        self._push.clear()
+        self.pacer.restart()
+        if self.view is not None:
+            self.view.restart()
+        self.on_change()
+
+    def angles(self) -> dict[str, list[float]]:
+        """Return the joint angles of every lane in [rad]."""
+        return {name: lane.work[Q].tolist() for name, lane in tuple(self.loop.lanes.items())}
+
+
+def _status(freeze: Freeze | None) -> dict[str, Any]:
+    if freeze is None:
+        return {"status": "running", "time": None, "joint": None, "cause": None, "gamma": None}
+    return {
+        "status": "frozen",
+        "time": freeze.time,
+        "joint": freeze.joint,
+        "cause": freeze.cause,
+        "gamma": freeze.gamma,
+    }

@@ -1,0 +1,122 @@
+"""Feeds the 3D scene from the session's thread: angles, new flange points, what is selected."""
+
+from __future__ import annotations
+
+import logging
+from time import perf_counter
+
+import numpy as np
+
+from robot.arm import flange_positions
+from robot.closed_loop import ClosedLoop
+from robot.packed import Packed
+from robot.simulate import desired_motion
+from robot.workspace import QD, Q
+from server.colors import LaneColors
+from server.scene import LaneStyle, Scene, SceneFrame
+from server.telemetry import Channel
+
+Array = np.ndarray
+
+log = logging.getLogger("slidetune.scene")
+
+FRAME = 1.0 / 30.0
+"""Time between two pictures in [s] (*ours*)."""
+PATH_POINTS = 400
+"""Points of the desired path over the horizon (*ours*)."""
+
+
+class StageView:
+    """What the scene shows, and when."""
+
+    def __init__(self, scene: Scene, colors: LaneColors) -> None:
+        """Feed ``scene``."""
+        self.scene = scene
+        self.selected = ""
+        self.exaggeration = 1.0
+        self.ghosts = True
+        self._colors = colors
+        self._columns: dict[str, list[int]] = {}
+        self._blocks: list[Array] = []
+        self._period = 0.001
+        self._drawn = 0.0
+        self._shown: tuple[object, ...] = ()
+        self._broken = False
+
+    def force(self) -> Array | None:
+        """Return the force by which somebody pulls at the flange in [N], or ``None``."""
+        return None if self._broken else self.scene.push()
+
+    def new_lanes(self, columns: list[Channel]) -> None:
+        """Find the flange columns of other lanes."""
+        self._blocks.clear()
+        self._columns = {}
+        for index, channel in enumerate(columns):
+            if channel.group in ("flange", "flange_d"):
+                self._columns.setdefault(channel.lane, []).append(index)
+
+    def add(self, rows: Array, period: float) -> None:
+        """Keep new rows for the trails."""
+        self._blocks.append(rows)
+        self._period = period
+
+    def restart(self) -> None:
+        """Clear the trails."""
+        self._blocks.clear()
+        self._guarded(self.scene.clear_trails)
+
+    def draw(self, loop: ClosedLoop) -> None:
+        """Show the present, at most 30 times a second."""
+        now = perf_counter()
+        if now - self._drawn < FRAME:
+            return
+        self._drawn = now
+        self._guarded(lambda: self._draw(loop))
+
+    def _guarded(self, action: object) -> None:
+        """Never let the 3D view stop the session."""
+        if self._broken or not callable(action):
+            return
+        try:
+            action()
+        except Exception:
+            log.exception("The 3D view failed and is switched off until the server restarts.")
+            self._broken = True
+
+    def _draw(self, loop: ClosedLoop) -> None:
+        self._configure(loop.packed, list(loop.lanes))
+        lanes = loop.lanes
+        points = np.vstack(self._blocks) if self._blocks else None
+        self._blocks.clear()
+
+        def path(lane: str) -> Array:
+            return np.empty((0, 3)) if points is None else points[:, self._columns[lane]]
+
+        first = next(iter(lanes.values()))
+        self.scene.update(
+            SceneFrame(
+                q_d=first.work[QD].copy(),
+                q={name: lane.work[Q].copy() for name, lane in lanes.items()},
+                frozen=frozenset(n for n, lane in lanes.items() if lane.freeze is not None),
+                desired_path=path(""),
+                paths={name: path(name) for name in lanes},
+                period=self._period,
+            )
+        )
+
+    def _configure(self, packed: Packed, lanes: list[str]) -> None:
+        if self.selected not in lanes:
+            self.selected = lanes[0]
+        experiment = packed.experiment
+        shown = (
+            tuple(lanes), self.selected, experiment.robot, experiment.trajectory,
+            experiment.simulation.horizon, self.exaggeration, self.ghosts,
+        )
+        if shown == self._shown:
+            return
+        self._shown = shown
+        time = np.linspace(0.0, experiment.simulation.horizon, PATH_POINTS)
+        desired = flange_positions(desired_motion(packed, time)[0])
+        styles = [LaneStyle(name, self._colors.of(name)) for name in lanes]
+        self.scene.configure(styles, self.selected, experiment.robot, desired)
+        self.scene.view(self.exaggeration, self.ghosts)

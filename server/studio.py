@@ -1,0 +1,110 @@
+"""What a running server holds: session, document, scene, and what it says of them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from time import monotonic
+from typing import Any
+
+from robot import __version__
+from robot.experiment import Experiment
+from robot.laws import LAWS
+from robot.packed import Packed, pack
+from robot.stability import notes, worst_margin
+from server.colors import LaneColors
+from server.document import Document
+from server.scene import Scene
+from server.session import Session
+from server.stage_view import StageView
+from server.telemetry import Telemetry
+
+
+def law_infos() -> list[dict[str, Any]]:
+    """Return name, title and summary of every law."""
+    names = ("name", "title", "summary", "model_based", "network")
+    return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
+
+
+class Studio:
+    """Everything that lives as long as the server.
+
+    Attributes:
+        document: the live document.
+        session: the stepping thread.
+        view: the 3D view.
+        started: monotonic time of the start in [s].
+    """
+
+    def __init__(self, experiment: Experiment, preset: str = "") -> None:
+        """Build all parts; ``start`` lets them run."""
+        packed = pack(experiment)
+        self.colors = LaneColors()
+        self.colors.assign(list(packed.gains))
+        self.view = StageView(Scene(), self.colors)
+        self.session = Session(packed, self.view)
+        self.document = Document(packed, preset, self.session, self.colors)
+        self.started = monotonic()
+        self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
+
+    def start(self) -> None:
+        """Let time go on."""
+        self.session.start()
+
+    def stop(self) -> None:
+        """End the session and the scene."""
+        self.session.stop()
+        self.view.scene.close()
+
+    def health(self) -> dict[str, Any]:
+        """Return version, uptime and state."""
+        state = "running" if self.session.playing else "paused"
+        return {"version": __version__, "uptime": monotonic() - self.started, "state": state}
+
+    def state(self) -> dict[str, Any]:
+        """Return the ``state`` message."""
+        view = {"exaggeration": self.view.exaggeration, "ghosts": self.view.ghosts}
+        selected = self.view.selected or next(iter(self.document.experiment.lanes))
+        return {"type": "state", **self.session.state(), "selected": selected, "view": view}
+
+    def metrics(self) -> dict[str, Any]:
+        """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
+        remarks = self._current_remarks()
+        nothing: dict[str, Any] = {"gamma": None, "notes": []}
+        lanes = {
+            name: {**metrics.document(), **remarks.get(name, nothing)}
+            for name, metrics in tuple(self.session.metrics.items())
+        }
+        return {"type": "metrics", "lanes": lanes}
+
+    def _current_remarks(self) -> dict[str, Any]:
+        packed = self.document.packed
+        sampled = packed.experiment.simulation.mode == "sampled"
+        if self._remarks[0] is not packed:
+            remarks = {
+                name: {
+                    "gamma": worst_margin(packed, name) if sampled else None,
+                    "notes": [asdict(note) for note in notes(packed, name)],
+                }
+                for name in packed.gains
+            }
+            self._remarks = (packed, remarks)
+        return self._remarks[1]
+
+    def hello(self, client: str, telemetry: Telemetry) -> dict[str, Any]:
+        """Return the ``hello`` message for a client that is about to read ``telemetry``."""
+        document, state = self.document, self.state()
+        return {
+            "type": "hello",
+            "version": __version__,
+            "client": client,
+            "revision": document.revision,
+            "experiment": document.experiment.document(),
+            "baseline": document.baseline.document(),
+            "preset": document.preset,
+            "lanes": self.colors.document(),
+            "channels": [asdict(channel) for channel in telemetry.columns],
+            "laws": law_infos(),
+            "state": state,
+            "selected": state["selected"],
+            "view": state["view"],
+        }

@@ -1,0 +1,108 @@
+"""A Viser server of our own, and the room in which the arm stands.
+
+It listens on loopback only, prints nothing and never opens a tunnel; others reach it through the
+relay. A browser shows it dark when its address ends with ``?darkMode``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import rich
+import viser
+
+CAMERA = (2.25, -1.85, 1.05)
+"""Where the camera stands at first in [m] (*ours*)."""
+LOOK_AT = (0.1, 0.0, 0.08)
+"""What it looks at in [m] (*ours*): the middle of what the arm reaches."""
+FIELD_OF_VIEW = 0.72
+"""Vertical field of view in [rad] (*ours*)."""
+
+PEDESTAL = 0.75
+"""Height of the arm's base above the floor in [m] (*ours*): the paper's sine dips 0.53 m below
+the base."""
+FLOOR = 2.6
+"""Radius at which the floor has faded away in [m] (*ours*)."""
+PEDESTAL_COLOR = (92, 98, 108)
+"""*Ours*."""
+GREY = (128, 134, 144)
+"""Seen on white and on black alike (*ours*)."""
+
+
+class Viewer(viser.ViserServer):
+    """Viser without the tunnel that it offers to the outside."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse: any page could ask for it, and it would publish the scene."""
+        return None
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    # Viser prints a banner and a farewell through rich, whatever it is told.
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
+def open_viewer(port: int | None) -> Viewer:
+    """Start a viewer on 127.0.0.1 with an empty room.
+
+    Args:
+        port: wanted TCP port, the next free one if it is taken; ``None`` for any.
+    """
+    with _hushed():
+        viewer = Viewer(host="127.0.0.1", port=port or 0, verbose=False)
+    _dress(viewer)
+    _furnish(viewer.scene)
+    return viewer
+
+
+def close_viewer(viewer: Viewer) -> None:
+    """Stop a viewer and its threads."""
+    with _hushed():
+        viewer.stop()
+
+
+def _dress(viewer: Viewer) -> None:
+    viewer.gui.configure_theme(show_logo=False, show_share_button=False, control_width="small")
+    viewer.gui.set_panel_label("Scene")
+    viewer.gui.main_panel.minimize()
+    viewer.initial_camera.position = CAMERA
+    viewer.initial_camera.look_at = LOOK_AT
+    viewer.initial_camera.fov = FIELD_OF_VIEW
+    viewer.initial_camera.near = 0.02
+    viewer.initial_camera.far = 60.0
+
+
+def _furnish(scene: viser.SceneApi) -> None:
+    scene.add_grid(
+        "/floor",
+        position=(0.0, 0.0, -PEDESTAL),
+        width=2 * FLOOR,
+        height=2 * FLOOR,
+        cell_size=0.1,
+        cell_color=GREY,
+        cell_thickness=0.5,
+        section_size=0.5,
+        section_color=GREY,
+        section_thickness=1.0,
+        fade_from="origin",
+        fade_distance=FLOOR,
+        fade_strength=1.5,
+        plane_color=GREY,
+        plane_opacity=0.16,
+        shadow_opacity=0.35,
+    )
+    column, foot = PEDESTAL - 0.02, 0.02
+    scene.add_cylinder(
+        "/pedestal", 0.075, column, PEDESTAL_COLOR, position=(0.0, 0.0, -0.5 * column)
+    )
+    scene.add_cylinder(
+        "/pedestal/foot", 0.19, foot, PEDESTAL_COLOR, position=(0.0, 0.0, -0.5 * PEDESTAL)
+    )
+    scene.add_frame("/base", axes_length=0.25, axes_radius=0.004, origin_radius=0.0)

@@ -1,0 +1,61 @@
+"""A real server on loopback, in this process, so that tests can look inside."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+import uvicorn
+
+from robot.experiment import Experiment
+from server.access import policy_for
+from server.app import create_app
+from server.serve import MAX_MESSAGE, free_socket
+from server.studio import Studio
+
+LANES = {
+    "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},
+    "RBFNN-SMC": {"law": "rbfnn_smc"},
+    "NFTSM": {"law": "nftsm"},
+}
+
+
+@dataclass
+class Served:
+    """A running server."""
+
+    url: str
+    live: str
+    studio: Studio
+    http: httpx.Client
+
+
+@pytest.fixture
+def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
+    """Serve the paper's three lanes, with an empty folder of own presets."""
+    monkeypatch.setenv("SLIDETUNE_PRESETS", str(tmp_path / "presets"))
+    studio = Studio(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
+    bound = free_socket("127.0.0.1", 0)
+    port = bound.getsockname()[1]
+    app = create_app(studio, policy_for("127.0.0.1", port))
+    config = uvicorn.Config(
+        app, log_level="warning", ws_max_size=MAX_MESSAGE, timeout_graceful_shutdown=2
+    )
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
+    thread.start()
+    end = time.monotonic() + 30.0
+    while not server.started:
+        assert time.monotonic() < end, "the server did not start"
+        time.sleep(0.01)
+    url = f"http://127.0.0.1:{port}"
+    with httpx.Client(base_url=url, timeout=20.0) as http:
+        yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http)
+    server.should_exit = True
+    thread.join(20.0)
+    assert not thread.is_alive()

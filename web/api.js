@@ -1,0 +1,328 @@
+// @ts-check
+/**
+ * The server: the only module that knows its addresses and messages.
+ *
+ * Views read the state fields and listen to the events:
+ * `hello`, `patch`, `state`, `metrics`, `notice`, `error`: the server's message as `detail`
+ * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
+ * `connection`: {@link Connection}; `select`: the lane's name; `joint`: 1 to 6, toggled by key.
+ */
+
+import {joined} from './merge_patch.js';
+import {ApiError, request} from './http.js';
+import {Connection} from './connection.js';
+
+export {ApiError};
+
+/** @typedef {import('./merge_patch.js').Document} Document */
+/** @typedef {{name: string, color: string}} Lane */
+/** @typedef {{name: string, group: string, joint: number|string, lane: string, unit: string}} Channel */
+/**
+ * @typedef {{name: string, title: string, summary: string, model_based: boolean,
+ *   network: boolean}} Law
+ */
+/**
+ * @typedef {{status: 'running'|'frozen', time: number|null, joint: number|null,
+ *   cause: string|null, gamma: number}} LaneState
+ */
+/**
+ * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
+ *   capped: boolean, revision: number, epoch: number, horizon: number,
+ *   lanes: {[name: string]: LaneState}}} State
+ */
+/**
+ * Telemetry: `data[column * rows + row]`, columns in the order of `channels`.
+ * @typedef {{revision: number, rows: number, columns: number, dropped: number, time: number,
+ *   dt: number, data: Float32Array}} Frame
+ */
+/** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
+
+const HEADER_BYTES = 32;
+const SETTLE_MS = 3000;
+
+/**
+ * @param {ArrayBuffer} buffer
+ * @returns {Frame}
+ */
+function decoded(buffer) {
+  const view = new DataView(buffer);
+  const [revision, rows, columns, dropped] = [0, 4, 8, 12].map((at) => view.getUint32(at, true));
+  const data = new Float32Array(buffer, HEADER_BYTES, rows * columns);
+  const [time, dt] = [view.getFloat64(16, true), view.getFloat64(24, true)];
+  return {revision, rows, columns, dropped, time, dt, data};
+}
+
+/** The live session, its experiment and its telemetry. */
+export class Api extends EventTarget {
+  /** @type {Document} */ experiment = {};
+  /** @type {Document} the experiment as it was loaded */ baseline = {};
+  /** Name of the loaded preset, or ''. */
+  preset = '';
+  /** @type {Lane[]} */ lanes = [];
+  /** @type {Channel[]} */ channels = [];
+  /** @type {Law[]} */ laws = [];
+  /** @type {State|null} */ session = null;
+  /** @type {Document|null} the last `metrics` message */ metrics = null;
+  /** This page's id; patches that it sent come back with it as `author`. */
+  client = '';
+  /** Newest revision that the server told of. */
+  revision = 0;
+  version = '';
+  connected = false;
+  /** Name of the lane whose gains are on the screen. */
+  selected = '';
+  /** How the 3D scene is drawn. */
+  drawn = {exaggeration: 1, ghosts: true};
+
+  /** @type {Document|null} */ #pending = null;
+  #id = 0;
+  /** @type {Map<number, {patch: Document, done: (error?: ApiError) => void}>} */
+  #sent = new Map();
+  /** @type {(() => void)[]} */ #settling = [];
+  #connection = new Connection('/api/live', {
+    message: (/** @type {Document} */ message) => this.#receive(message),
+    bytes: (/** @type {ArrayBuffer} */ bytes) => this.#emit('frame', decoded(bytes)),
+    change: (/** @type {Document} */ detail) => this.#connectionChanged(detail),
+  });
+
+  /** Open the live connection; it re-opens by itself when it is lost. */
+  connect() { this.#connection.open(); }
+
+  /** Try again now instead of at the end of the waiting time. */
+  reconnect() { this.#connection.retry(); }
+
+  // Editing
+
+  /**
+   * Change the live experiment. Several patches within one animation frame become one.
+   * A refusal arrives as `error` event.
+   *
+   * @param {Document} patch JSON merge patch
+   */
+  patch(patch) {
+    if (!this.#pending) {
+      // A hidden page gets no animation frames.
+      const later = document.hidden ? setTimeout : requestAnimationFrame;
+      later(() => this.#flush());
+    }
+    this.#pending = joined(this.#pending ?? {}, patch);
+  }
+
+  /**
+   * Change the live experiment at once.
+   *
+   * @param {Document} patch JSON merge patch
+   * @returns {Promise<void>} kept when the server has accepted it, broken with an ApiError;
+   *   no `error` event is raised.
+   */
+  change(patch) {
+    this.#flush();
+    return new Promise((resolve, reject) => {
+      this.#submit({type: 'patch', patch}, patch, (error) => (error ? reject(error) : resolve()));
+    });
+  }
+
+  /**
+   * Wait until the server has answered every patch, or long enough.
+   *
+   * @returns {Promise<void>}
+   */
+  settled() {
+    this.#flush();
+    if (!this.#sent.size) return Promise.resolve();
+    return new Promise((resolve) => {
+      this.#settling.push(resolve);
+      setTimeout(resolve, SETTLE_MS);
+    });
+  }
+
+  /**
+   * Add a lane with the gains and the state of another.
+   *
+   * @param {string} origin name of the lane to copy
+   * @param {string} name
+   * @returns {Promise<void>}
+   */
+  duplicateLane(origin, name) {
+    this.#flush();
+    return new Promise((resolve, reject) => {
+      this.#submit({type: 'lane', origin, name}, {lanes: {[name]: {}}}, (error) => (
+        error ? reject(error) : resolve()
+      ));
+    });
+  }
+
+  // The session
+
+  play() { this.#send({type: 'play'}); }
+
+  pause() { this.#send({type: 'pause'}); }
+
+  /** @param {number} [count] control steps */
+  step(count = 1) { this.#send({type: 'step', count}); }
+
+  reset() { this.#send({type: 'reset'}); }
+
+  /** Push the joints for a moment. */
+  kick() { this.#send({type: 'kick'}); }
+
+  /** @param {number} speed multiple of real time, 0.1 to 10 */
+  speed(speed) { this.#send({type: 'speed', speed}); }
+
+  /** @param {string} lane name of the lane to show and to draw solid */
+  select(lane) {
+    if (lane === this.selected) return;
+    this.selected = lane;
+    this.#send({type: 'select', lane});
+    this.#emit('select', lane);
+  }
+
+  /** @param {{exaggeration?: number, ghosts?: boolean}} change of how the scene is drawn */
+  view(change) {
+    this.drawn = {...this.drawn, ...change};
+    this.#send({type: 'view', ...this.drawn});
+  }
+
+  // Documents
+
+  /** @returns {Promise<Document>} JSON Schema of an experiment */
+  schema() { return request('GET', '/api/schema'); }
+
+  /** @returns {Promise<Preset[]>} */
+  async listPresets() { return (await request('GET', '/api/presets')).presets; }
+
+  /** @param {string} name */
+  loadPreset(name) { return request('POST', `${presetAddress(name)}/load`); }
+
+  /**
+   * Save the live experiment.
+   *
+   * @param {string} name
+   * @param {{overwrite?: boolean}} [options]
+   */
+  async savePreset(name, {overwrite = false} = {}) {
+    await this.settled();
+    return request('PUT', `${presetAddress(name)}?overwrite=${overwrite}`);
+  }
+
+  /** @param {string} name */
+  deletePreset(name) { return request('DELETE', presetAddress(name)); }
+
+  /** @returns {Promise<string>} the live experiment as YAML */
+  async exportYaml() {
+    await this.settled();
+    return request('GET', '/api/experiment?format=yaml');
+  }
+
+  /** @param {string|Document} document YAML text or a whole experiment */
+  replaceExperiment(document) { return request('PUT', '/api/experiment', document); }
+
+  // What arrives
+
+  /** @param {Document} detail */
+  #connectionChanged(detail) {
+    // Connected means resynchronised: only `hello` says so.
+    if (detail.open) return;
+    this.connected = false;
+    const lost = new ApiError(0, 'disconnected', 'not connected: the change was not made');
+    for (const id of [...this.#sent.keys()]) this.#answered(id, lost);
+    this.#emit('connection', {connected: false, ...detail});
+  }
+
+  /** @param {Document} message */
+  #receive(message) {
+    this.revision = message.revision ?? message.state?.revision ?? this.revision;
+    switch (message.type) {
+      case 'hello': this.#hello(message); break;
+      case 'patch':
+        this.experiment = message.experiment;
+        this.#emit('patch', message);
+        if (message.author === this.client && message.id !== null) this.#answered(message.id);
+        return;
+      case 'state': this.session = /** @type {State} */ (message); break;
+      case 'metrics': this.metrics = message; break;
+      case 'error': this.#refused(message); return;
+      default:
+    }
+    this.#emit(message.type, message);
+  }
+
+  /** @param {Document} message */
+  #hello(message) {
+    const {client, version, experiment, baseline, preset, channels, laws, state} = message;
+    const index = this.lanes.findIndex((lane) => lane.name === this.selected);
+    Object.assign(this, {client, version, experiment, baseline, preset, channels, laws});
+    this.lanes = message.lanes;
+    this.session = state;
+    this.drawn = {...this.drawn, ...message.view};
+    if (!this.lanes.some((lane) => lane.name === this.selected)) {
+      // A renamed lane keeps its place.
+      this.selected = (this.lanes[index] ?? this.lanes.at(-1))?.name ?? '';
+      if (index < 0 && message.selected) this.selected = message.selected;
+    }
+    if (this.connected) return;
+    this.connected = true;
+    this.#emit('connection', {connected: true});
+  }
+
+  /** @param {Document} message */
+  #refused(message) {
+    const {code, message: text, fields} = message.error;
+    const error = new ApiError(422, code, text, fields);
+    if (!this.#sent.has(message.id)) this.#emit('error', {id: message.id, error, patch: null});
+    else this.#answered(message.id, error);
+  }
+
+  /**
+   * The server takes patches in order, so that an answer covers all that were sent before it.
+   *
+   * @param {number} id
+   * @param {ApiError} [error]
+   */
+  #answered(id, error) {
+    for (const [older, {done}] of [...this.#sent]) {
+      if (older > id) continue;
+      this.#sent.delete(older);
+      done(older === id ? error : undefined);
+    }
+    if (this.#sent.size) return;
+    for (const resolve of this.#settling.splice(0)) resolve();
+  }
+
+  // What leaves
+
+  #flush() {
+    const patch = this.#pending;
+    if (!patch) return;
+    this.#pending = null;
+    const id = this.#id + 1;
+    this.#submit({type: 'patch', patch}, patch, (error) => {
+      if (error) this.#emit('error', {id, error, patch});
+    });
+  }
+
+  /**
+   * @param {Document} message
+   * @param {Document} patch
+   * @param {(error?: ApiError) => void} done
+   */
+  #submit(message, patch, done) {
+    this.#id += 1;
+    this.#sent.set(this.#id, {patch, done});
+    if (this.#send({...message, id: this.#id})) return;
+    const text = 'not connected: the change was not made';
+    this.#answered(this.#id, new ApiError(0, 'disconnected', text));
+  }
+
+  /** @param {Document} message */
+  #send(message) { return this.#connection.send(message); }
+
+  /**
+   * @param {string} type
+   * @param {any} detail
+   */
+  #emit(type, detail) { this.dispatchEvent(new CustomEvent(type, {detail})); }
+}
+
+/** @param {string} name */
+function presetAddress(name) { return `/api/presets/${encodeURIComponent(name)}`; }

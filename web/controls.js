@@ -1,0 +1,193 @@
+// @ts-check
+/** The left column: what the experiment is, its lanes, and a control for every number. */
+
+import {element} from './element.js';
+import {icon} from './icons.js';
+import {mount as mountLanes} from './lanes.js';
+import {leaves} from './merge_patch.js';
+import {rememberOpen} from './remembered.js';
+import {Schema} from './schema.js';
+import {Group, SectionGroup} from './section.js';
+
+/** @typedef {import('./control.js').Control} Control */
+/** @typedef {import('./schema.js').Field} Field */
+
+/** Groups in the order of the theory; any further ones come after. */
+const ORDER = ['Sliding surface', 'Reaching', 'RBF network', 'PD'];
+
+/**
+ * @param {HTMLElement} place
+ * @param {import('./api.js').Api} api
+ * @param {import('./history.js').History} history
+ * @param {import('./notices.js').Tell} tell
+ */
+export function mount(place, api, history, tell) {
+  const about = mountAbout(api);
+  const lanes = element('section', {class: 'lanes', 'aria-label': 'Lanes'});
+  const gains = element('section', {class: 'gains', 'aria-label': 'Gains of the selected lane'});
+  const rest = element('section', {class: 'sections', 'aria-label': 'Experiment'});
+  place.append(about, lanes, gains, rest);
+  api.addEventListener('hello', async () => {
+    const schema = new Schema(await api.schema());
+    mountLanes(lanes, api, history, schema, tell);
+    new Tuning(schema, api, history, tell).mount(gains, rest);
+  }, {once: true});
+}
+
+/** Keeps the controls and the experiment in step. */
+class Tuning {
+  #schema;
+  #api;
+  #history;
+  #tell;
+  /** @type {Group[]} */ #gains = [];
+  /** @type {Group[]} */ #sections = [];
+  #built = '';
+  /** @type {HTMLElement} */ #place = element('div');
+
+  /**
+   * @param {Schema} schema
+   * @param {import('./api.js').Api} api
+   * @param {import('./history.js').History} history
+   * @param {import('./notices.js').Tell} tell
+   */
+  constructor(schema, api, history, tell) {
+    this.#schema = schema;
+    this.#api = api;
+    this.#history = history;
+    this.#tell = tell;
+  }
+
+  /**
+   * @param {HTMLElement} gains
+   * @param {HTMLElement} rest
+   */
+  mount(gains, rest) {
+    this.#place = gains;
+    const context = {api: this.#api, history: this.#history};
+    this.#sections = this.#schema.sections()
+      .map((section) => new SectionGroup(this.#schema, section, context));
+    rest.append(...this.#sections.map((section) => section.element));
+    this.#refresh();
+    this.#api.addEventListener('select', () => this.#refresh());
+    this.#api.addEventListener('hello', () => {
+      for (const control of this.#controls) control.refuse('');
+      this.#refresh();
+    });
+    this.#api.addEventListener('patch', (event) => this.#patched(detail(event)));
+    this.#api.addEventListener('error', (event) => this.#refused(detail(event)));
+  }
+
+  get #groups() { return [...this.#gains, ...this.#sections]; }
+
+  get #controls() { return this.#groups.flatMap((group) => group.controls); }
+
+  /** @param {{flash?: boolean}} [options] */
+  #refresh(options) {
+    const {selected, experiment, lanes} = this.#api;
+    const law = experiment.lanes[selected]?.law;
+    if (!law) return;
+    const color = lanes.find((lane) => lane.name === selected)?.color ?? '';
+    this.#place.style.setProperty('--fill', color);
+    if (this.#built !== `${law} ${selected}`) this.#build(law, selected);
+    for (const group of this.#groups) group.refresh(options);
+  }
+
+  /**
+   * @param {string} law
+   * @param {string} lane
+   */
+  #build(law, lane) {
+    this.#built = `${law} ${lane}`;
+    const fields = Map.groupBy(this.#schema.laneFields(law, lane), ({group}) => group || 'Gains');
+    const rank = (/** @type {string} */ name) => (ORDER.indexOf(name) + 1 || ORDER.length + 1);
+    const names = [...fields.keys()].sort((a, b) => rank(a) - rank(b));
+    this.#gains = names.map((name) => {
+      const group = new Group(name, `lane.${name}`, true);
+      group.add(fields.get(name) ?? [], {api: this.#api, history: this.#history});
+      return group;
+    });
+    this.#place.replaceChildren(this.#heading(law, lane), ...this.#gains.map((g) => g.element));
+  }
+
+  /**
+   * @param {string} law
+   * @param {string} lane
+   */
+  #heading(law, lane) {
+    const {title = law, summary = ''} = this.#api.laws.find(({name}) => name === law) ?? {};
+    const named = lane === title ? lane : `${lane} · ${title}`;
+    const dot = element('span', {class: 'lane-dot'});
+    const name = element('h3', {}, dot, element('span', {}, named));
+    return element('header', {class: 'gains-head'}, name, summary && element('p', {}, summary));
+  }
+
+  /** @param {{author: string, patch: any}} message */
+  #patched({author, patch}) {
+    const own = author === this.#api.client;
+    if (own) for (const control of this.#touchedBy(patch)) control.refuse('');
+    this.#refresh({flash: true});
+  }
+
+  /**
+   * The controls that a patch sets.
+   *
+   * @param {any} patch
+   */
+  #touchedBy(patch) {
+    const paths = leaves(patch).map((path) => path.join('.'));
+    return this.#controls.filter(({field}) => paths.includes(field.path.join('.')));
+  }
+
+  /**
+   * Say it next to the control that asked for it, else next to the one that it is about.
+   *
+   * @param {{error: import('./api.js').ApiError, patch: any}} refusal
+   */
+  #refused({error, patch}) {
+    const asked = patch ? this.#touchedBy(patch) : [];
+    const about = this.#controls.filter((control) => error.fields.some(within(control)));
+    const places = asked.length ? asked : about;
+    if (!places.length) this.#tell(inOneLine(error), {error: true});
+    for (const control of places) control.refuse(wordsFor(control, error));
+  }
+}
+
+/** @param {Event} event */
+function detail(event) { return /** @type {CustomEvent} */ (event).detail; }
+
+/** @param {Control} control */
+function within(control) {
+  const own = control.field.path.join('.');
+  return (/** @type {{path: string}} */ {path}) => path === own || path.startsWith(`${own}.`);
+}
+
+/** @param {import('./api.js').ApiError} error */
+function inOneLine({message, fields}) {
+  return fields.length ? fields.map((field) => `${field.path}: ${field.message}`).join('; ') : message;
+}
+
+/**
+ * @param {Control} control
+ * @param {import('./api.js').ApiError} error
+ */
+function wordsFor(control, error) {
+  const own = error.fields.filter(within(control));
+  return own.length ? own.map(({message}) => message).join('; ') : inOneLine(error);
+}
+
+/** @param {import('./api.js').Api} api */
+function mountAbout(api) {
+  const title = element('span', {});
+  const text = element('p', {class: 'about-text'});
+  const box = element('details', {class: 'about'},
+    element('summary', {}, icon('chevron'), title), text);
+  rememberOpen(box, 'about', true);
+  const show = () => {
+    title.textContent = api.experiment.title || api.preset || 'Untitled experiment';
+    text.textContent = api.experiment.description || 'No description.';
+  };
+  api.addEventListener('hello', show);
+  api.addEventListener('patch', show);
+  return box;
+}

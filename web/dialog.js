@@ -1,0 +1,92 @@
+// @ts-check
+/** Modal dialogs: one question, a refusal in words inside it, Escape as the way out. */
+
+import {element, freshId} from './element.js';
+import {icon} from './icons.js';
+
+/**
+ * @typedef {{name: string, label: string, value?: string, hint?: string, long?: boolean,
+ *   required?: boolean, length?: number}} Question
+ */
+
+/**
+ * @param {string} title
+ * @param {...import('./element.js').Child} content
+ * @returns {HTMLDialogElement} shown, and gone when it is closed
+ */
+export function showDialog(title, ...content) {
+  const id = freshId('dialog');
+  const close = element('button', {
+    class: 'button icon-only small', type: 'button', 'aria-label': 'Close',
+    on: {click: () => dialog.close()},
+  }, icon('close'));
+  const head = element('header', {class: 'dialog-head'}, element('h2', {id}, title), close);
+  const dialog = element('dialog', {class: 'dialog', 'aria-labelledby': id}, head, ...content);
+  dialog.addEventListener('close', () => dialog.remove());
+  dialog.addEventListener('pointerdown', (event) => {
+    // Only the backdrop is the dialog itself; everything else lies inside its padding.
+    if (event.target === dialog && outside(dialog, event)) dialog.close();
+  });
+  document.body.append(dialog);
+  dialog.showModal();
+  return dialog;
+}
+
+/**
+ * @param {HTMLElement} box
+ * @param {PointerEvent} event
+ */
+function outside(box, event) {
+  const {left, right, top, bottom} = box.getBoundingClientRect();
+  const {clientX: x, clientY: y} = event;
+  return x < left || x > right || y < top || y > bottom;
+}
+
+/**
+ * Ask for text and do something with it; what refuses it is shown and may be mended.
+ *
+ * @param {string} title
+ * @param {Question[]} questions
+ * @param {string} action what the button says
+ * @param {(answers: {[name: string]: string}, dialog: {relabel: (text: string) => void})
+ *   => Promise<void>} run throws to refuse
+ */
+export function ask(title, questions, action, run) {
+  const alert = element('p', {class: 'dialog-alert', role: 'alert'});
+  const submit = element('button', {class: 'button primary', type: 'submit'}, action);
+  const cancel = element('button', {
+    class: 'button', type: 'button', on: {click: () => dialog.close()},
+  }, 'Cancel');
+  const buttons = element('div', {class: 'dialog-buttons'}, cancel, submit);
+  const form = element('form', {class: 'dialog-form'}, ...questions.map(asked), alert, buttons);
+  const relabel = (/** @type {string} */ text) => { submit.textContent = text; };
+  form.addEventListener('input', () => { alert.textContent = ''; relabel(action); });
+  form.addEventListener('submit', async (event) => {
+    event.preventDefault();
+    submit.disabled = true;
+    try {
+      const entries = [...new FormData(form)].map(([name, value]) => [name, String(value)]);
+      await run(Object.fromEntries(entries), {relabel});
+      dialog.close();
+    } catch (error) {
+      alert.textContent = /** @type {Error} */ (error).message;
+    }
+    submit.disabled = false;
+  });
+  const dialog = showDialog(title, form);
+  const first = form.querySelector('input');
+  first?.focus();
+  first?.select();
+}
+
+/** @param {Question} question */
+function asked({name, label, value = '', hint, long = false, required = false, length = 200}) {
+  const id = freshId('answer');
+  const attributes = {
+    id, name, required, maxlength: length, autocomplete: 'off', spellcheck: 'false', class: 'text-box',
+  };
+  const box = long ? element('textarea', {...attributes, rows: 4}) : element('input', attributes);
+  box.value = value;
+  const note = hint && element('small', {class: 'dialog-hint'}, hint);
+  return element('div', {class: 'question'}, element('label', {for: id}, label), box, note);
+}

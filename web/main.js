@@ -1,0 +1,48 @@
+// @ts-check
+/** Puts the screen together and opens the line to the server. */
+
+import {Api} from './api.js';
+import {mount as mountControls} from './controls.js';
+import {mountHeader} from './header.js';
+import {History} from './history.js';
+import {mountImport} from './import_experiment.js';
+import {keyHandler} from './keys.js';
+import {mount as mountMetrics} from './metrics.js';
+import {mountNotices} from './notices.js';
+import {mount as mountPlots} from './plots.js';
+import {Presets} from './presets.js';
+import {mount as mountScene} from './scene.js';
+import {mountSplitters} from './splitters.js';
+import {mountBanner} from './status.js';
+import {mountTabs} from './tabs.js';
+import {applyTheme} from './theme.js';
+import {mount as mountTransport} from './transport.js';
+
+/** @param {string} id */
+function part(id) { return /** @type {HTMLElement} */ (document.getElementById(id)); }
+
+applyTheme();
+const api = new Api();
+const history = new History(api);
+const tell = mountNotices(part('notices'));
+const presets = new Presets(api, history, tell);
+const pressed = keyHandler(api, history);
+const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics')};
+
+mountHeader(part('header'), api, history, presets, mountImport(api, history, tell));
+mountBanner(part('banner'), api);
+mountControls(parts.tune, api, history, tell);
+mountScene(part('scene'), api, pressed);
+mountTransport(part('transport'), api);
+mountPlots(parts.plots, api);
+mountMetrics(parts.metrics, api);
+mountTabs(part('tabs'), part('workspace'));
+mountSplitters(part('workspace'), parts);
+
+addEventListener('keydown', pressed);
+api.addEventListener('notice', (event) => tell(/** @type {CustomEvent} */ (event).detail.message));
+history.addEventListener('refused', (event) => {
+  const {message} = /** @type {CustomEvent} */ (event).detail;
+  tell(`Not possible any more: ${message}`, {error: true});
+});
+api.connect();

@@ -1,0 +1,201 @@
+// @ts-check
+/** The table of metrics: one row a lane, brought up to date in place. */
+
+import {element, freshId} from './element.js';
+import {COLUMNS, best, threeDigits} from './metrics_columns.js';
+import {MetricsNotes} from './metrics_notes.js';
+import {recall, remember} from './remembered.js';
+
+/** @typedef {import('./api.js').Api} Api */
+/** @typedef {import('./metrics_columns.js').Column} Column */
+/** @typedef {import('./metrics_columns.js').Figures} Figures */
+/** @typedef {import('./metrics_notes.js').Note} Note */
+/**
+ * @typedef {{total: Figures|null, recent: Figures|null, gamma: number|null, notes: Note[]}}
+ *   LaneMetrics
+ */
+/**
+ * @typedef {{row: HTMLTableRowElement, button: HTMLButtonElement,
+ *   cells: HTMLTableCellElement[], notes: MetricsNotes}} Row
+ */
+
+const SPANS = /** @type {const} */ ([['total', 'since reset'], ['recent', 'last 10 s']]);
+
+/**
+ * @param {HTMLElement} root
+ * @param {Api} api
+ */
+export function mount(root, api) { new Metrics(root, api); }
+
+class Metrics {
+  #api;
+  #body = element('tbody');
+  #table;
+  /** @type {Map<string, Row>} */ #rows = new Map();
+  #built = '';
+  /** @type {'total'|'recent'} */ #span = recall('metrics.span') === 'recent' ? 'recent' : 'total';
+
+  /**
+   * @param {HTMLElement} root
+   * @param {Api} api
+   */
+  constructor(root, api) {
+    this.#api = api;
+    this.#table = element(
+      'table', {class: 'metrics-table'},
+      element('caption', {class: 'metrics-caption'}, 'How well each lane follows'),
+      element('thead', {}, heading()), this.#body,
+    );
+    this.#showAll(recall('metrics.joints') === 'all');
+    root.classList.add('metrics');
+    root.append(this.#bar(), element(
+      'div', {class: 'metrics-scroll', tabindex: 0, role: 'region', 'aria-label': 'Metrics'},
+      this.#table,
+    ));
+    for (const type of ['hello', 'state', 'metrics', 'select']) {
+      api.addEventListener(type, () => this.#show());
+    }
+    this.#show();
+  }
+
+  #bar() {
+    const name = freshId('metrics-span');
+    const spans = SPANS.map(([span, label]) => element(
+      'label', {class: 'metrics-span'},
+      element('input', {
+        type: 'radio', name, value: span, checked: span === this.#span,
+        on: {change: () => this.#choose(span)},
+      }), element('span', {}, label),
+    ));
+    const joints = element('input', {
+      type: 'checkbox', checked: this.#table.classList.contains('is-all'),
+      on: {change: (event) => this.#showAll(event.target.checked)},
+    });
+    return element(
+      'div', {class: 'metrics-bar'},
+      element('div', {class: 'metrics-spans', role: 'radiogroup', 'aria-label': 'Time span'},
+        ...spans),
+      element('label', {class: 'metrics-all'}, joints, element('span', {}, 'all six joints')),
+    );
+  }
+
+  /** @param {'total'|'recent'} span */
+  #choose(span) {
+    this.#span = span;
+    remember('metrics.span', span);
+    this.#show();
+  }
+
+  /** @param {boolean} all */
+  #showAll(all) {
+    this.#table.classList.toggle('is-all', all);
+    remember('metrics.joints', all ? 'all' : null);
+  }
+
+  #show() {
+    const {lanes, selected} = this.#api;
+    const built = JSON.stringify(lanes);
+    if (built !== this.#built) this.#build();
+    this.#built = built;
+    this.#fill();
+    for (const [name, {row, button}] of this.#rows) {
+      row.classList.toggle('is-selected', name === selected);
+      if (name === selected) button.setAttribute('aria-current', 'true');
+      else button.removeAttribute('aria-current');
+    }
+  }
+
+  #build() {
+    this.#rows.clear();
+    this.#body.replaceChildren(...this.#api.lanes.map(({name, color}) => {
+      const row = this.#row(name, color);
+      this.#rows.set(name, row);
+      return row.row;
+    }));
+  }
+
+  /**
+   * @param {string} name
+   * @param {string} color
+   * @returns {Row}
+   */
+  #row(name, color) {
+    const dot = element('span', {class: 'metrics-dot', 'aria-hidden': 'true'});
+    dot.style.setProperty('--lane', color);
+    const button = element('button', {
+      type: 'button', class: 'metrics-lane', title: `Select ${name}`,
+      on: {click: () => this.#api.select(name)},
+    }, dot, element('span', {}, name));
+    const cells = COLUMNS.map((column) => element('td', {class: classOf(column)}));
+    const notes = new MetricsNotes();
+    const row = element(
+      'tr', {}, element('th', {scope: 'row'}, button), ...cells,
+      element('td', {class: 'metrics-notes-cell'}, notes.element),
+    );
+    return {row, button, cells, notes};
+  }
+
+  #fill() {
+    const {metrics, session} = this.#api;
+    /** @type {Map<string, {figures: Figures|null, values: (number|null)[], frozen: boolean}>} */
+    const lanes = new Map();
+    for (const [name, {row, notes}] of this.#rows) {
+      const known = /** @type {LaneMetrics|undefined} */ (metrics?.lanes?.[name]);
+      const state = session?.lanes?.[name];
+      const figures = known?.[this.#span] ?? null;
+      const values = COLUMNS.map(({value}) => value(figures, known?.gamma ?? null));
+      const frozen = state?.status === 'frozen';
+      row.classList.toggle('is-frozen', frozen);
+      notes.show(frozen ? state : null, known?.notes ?? []);
+      lanes.set(name, {figures, values, frozen});
+    }
+    COLUMNS.forEach((column, index) => {
+      // What a lane reached before it stopped can't be compared with those that went on.
+      const least = best([...lanes.values()].map(({values, frozen}) => (
+        frozen ? null : values[index]
+      )));
+      for (const [name, {figures, values, frozen}] of lanes) {
+        const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
+        const isBest = !frozen && least !== null && values[index] === least;
+        fillCell(cell, column, values[index], figures, isBest);
+      }
+    });
+  }
+}
+
+/**
+ * @param {HTMLTableCellElement} cell
+ * @param {Column} column
+ * @param {number|null} value
+ * @param {Figures|null} figures
+ * @param {boolean} isBest
+ */
+function fillCell(cell, {joint, limit}, value, figures, isBest) {
+  const exceeds = limit !== undefined && value !== null && value > limit;
+  const text = `${threeDigits(value)}${exceeds ? ' ⚠' : ''}`;
+  if (cell.textContent !== text) cell.textContent = text;
+  cell.classList.toggle('is-best', isBest);
+  cell.classList.toggle('is-over', exceeds);
+  const words = [
+    joint && figures ? `joint ${joint(figures)}` : '',
+    exceeds ? `above ${limit}: the sampled loop diverges` : '',
+    isBest ? 'best of all lanes' : '',
+  ].filter(Boolean).join(', ');
+  if (cell.title !== words) cell.title = words;
+}
+
+/** @param {Column} column */
+function classOf({extra, id}) {
+  return `metrics-number metrics-${id}${extra ? ' metrics-extra' : ''}`;
+}
+
+function heading() {
+  return element(
+    'tr', {}, element('th', {scope: 'col'}, 'lane'),
+    ...COLUMNS.map((column) => element(
+      'th', {scope: 'col', class: classOf(column), title: column.meaning},
+      column.title, column.unit && element('span', {class: 'metrics-unit'}, ` ${column.unit}`),
+    )),
+    element('th', {scope: 'col', class: 'metrics-notes-cell'}, 'notes'),
+  );
+}

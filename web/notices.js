@@ -1,0 +1,50 @@
+// @ts-check
+/** Messages in words that belong to no control; they stay long enough to be read. */
+
+import {element} from './element.js';
+import {icon} from './icons.js';
+
+const STAY_MS = 12_000;
+const MOST = 4;
+
+/** @typedef {{label: string, run: () => void}} Action */
+/** @typedef {(text: string, options?: {error?: boolean, action?: Action}) => void} Tell */
+
+/**
+ * @param {HTMLElement} place
+ * @returns {Tell}
+ */
+export function mountNotices(place) {
+  place.classList.add('notices');
+  return (text, {error = false, action} = {}) => {
+    for (const shown of place.querySelectorAll('.notice')) {
+      if (shown.querySelector('.notice-text')?.textContent === text) shown.remove();
+    }
+    place.append(notice(text, error, action));
+    while (place.children.length > MOST) place.firstElementChild?.remove();
+  };
+}
+
+/**
+ * @param {string} text
+ * @param {boolean} error
+ * @param {Action} [action]
+ */
+function notice(text, error, action) {
+  const remove = () => box.remove();
+  const act = action && element('button', {
+    class: 'button small', type: 'button',
+    on: {click: () => { remove(); action.run(); }},
+  }, action.label);
+  const close = element('button', {
+    class: 'button icon-only small', type: 'button', 'aria-label': 'Dismiss', on: {click: remove},
+  }, icon('close'));
+  const box = element('div', {
+    class: error ? 'notice is-error' : 'notice', role: error ? 'alert' : 'status',
+  }, element('span', {class: 'notice-text'}, text), act, close);
+  let timer = setTimeout(remove, STAY_MS);
+  box.addEventListener('pointerenter', () => clearTimeout(timer));
+  box.addEventListener('focusin', () => clearTimeout(timer));
+  box.addEventListener('pointerleave', () => { timer = setTimeout(remove, STAY_MS); });
+  return box;
+}

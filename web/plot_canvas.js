@@ -1,0 +1,189 @@
+// @ts-check
+/** The figure on the screen: its size, its theme, and when it is drawn. */
+
+import {element} from './element.js';
+import {MARGIN, figure, library, themeOf} from './figure.js';
+import {spectrumPanels, timePanels} from './panel_curves.js';
+import {RedrawPace} from './redraw_pace.js';
+import {linesOf} from './revision_marks.js';
+import {YRanges} from './y_range.js';
+
+/** @typedef {import('./y_range.js').Range} Range */
+/** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
+/**
+ * Everything that decides what is drawn.
+ * @typedef {{ring: import('./ring.js').Ring, view: import('./plot_views.js').View,
+ *   panels: import('./plot_views.js').Panel[], window: Range, zoomed: Map<string, Range>,
+ *   freezes: Map<string, import('./panel_curves.js').Freeze>,
+ *   marks: import('./revision_marks.js').RevisionMark[], colors: Map<string, string>,
+ *   selected: string}} CanvasSheet
+ */
+
+/** Lower than this a panel can't be read; the stage scrolls instead. */
+const LEAST_PANEL = 92;
+const CONFIG = {displayModeBar: false, doubleClick: false, scrollZoom: false, responsive: false};
+
+/** Draws sheets into a stage. */
+export class Canvas {
+  #stage;
+  #sheet;
+  #graph = element('div', {class: 'plots-graph'});
+  #message = element('p', {class: 'plots-message'});
+  #ranges = new YRanges();
+  #pace = new RedrawPace(() => this.#draw());
+  /** @type {import('./figure.js').Theme|null} */ #theme = null;
+  #touch = matchMedia('(pointer: coarse)');
+  #size = {width: 0, height: 0};
+  /** A drag would break off if its plot were redrawn. */
+  #pressed = false;
+  #listening = false;
+  #on;
+
+  /**
+   * @param {HTMLElement} stage
+   * @param {() => CanvasSheet} sheet what to draw now
+   * @param {{zoom: (report: object) => void, live: () => void}} on
+   */
+  constructor(stage, sheet, on) {
+    this.#stage = stage;
+    this.#sheet = sheet;
+    this.#on = on;
+    stage.append(this.#graph, this.#message);
+    new ResizeObserver(([{contentRect: {width, height}}]) => {
+      this.#size = {width: Math.floor(width), height: Math.floor(height)};
+      this.request();
+    }).observe(stage);
+    document.addEventListener('visibilitychange', () => this.request());
+    addEventListener('load', () => this.request());
+    this.#watchTheme();
+    this.#watchPointer();
+  }
+
+  /** @param {{least?: number}} [options] as of {@link RedrawPace} */
+  request(options) { this.#pace.request(options); }
+
+  /** Choose the vertical ranges anew. */
+  forgetRanges() { this.#ranges.clear(); }
+
+  /** @returns {{data: object[], layout: object}} the figure with title and legend */
+  forFile() { return this.#figure(this.#sheet(), true); }
+
+  #watchTheme() {
+    const changed = () => { this.#theme = null; this.request(); };
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', changed);
+    this.#touch.addEventListener('change', changed);
+    new MutationObserver(changed).observe(
+      document.documentElement, {attributes: true, attributeFilter: ['data-theme']},
+    );
+  }
+
+  #watchPointer() {
+    this.#graph.addEventListener('pointerdown', () => { this.#pressed = true; }, true);
+    const released = () => {
+      if (!this.#pressed) return;
+      // The library reports the zoom within this same turn.
+      setTimeout(() => { this.#pressed = false; this.request(); });
+    };
+    addEventListener('pointerup', released);
+    addEventListener('pointercancel', released);
+    addEventListener('blur', released);
+  }
+
+  /** Whether anybody can see it. */
+  get #visible() {
+    return !document.hidden && this.#size.width > 0 && this.#size.height > 0;
+  }
+
+  #draw() {
+    if (!this.#visible || this.#pressed) return;
+    const sheet = this.#sheet();
+    this.#say(messageFor(sheet));
+    this.#graph.hidden = !sheet.panels.length;
+    if (!sheet.panels.length || !library()) return;
+    const {data, layout} = this.#figure(sheet, false);
+    library().react(this.#graph, data, layout, CONFIG);
+    // Counts the layout into the cost of this redraw, where it belongs.
+    this.#graph.getBoundingClientRect();
+    this.#describe(sheet);
+    this.#listen();
+  }
+
+  /**
+   * @param {CanvasSheet} sheet
+   * @param {boolean} forFile
+   */
+  #figure(sheet, forFile) {
+    const {view, panels, window} = sheet;
+    this.#theme ??= themeOf(this.#stage);
+    const {width} = this.#size;
+    const least = panels.length * LEAST_PANEL + MARGIN.t + MARGIN.b;
+    const pixels = Math.max(width - MARGIN.l - MARGIN.r, 50);
+    const build = view.spectrum ? spectrumPanels : timePanels;
+    const drawn = build({...sheet, pixels, ranges: this.#ranges});
+    return figure({
+      ...sheet,
+      panels: drawn,
+      window: view.spectrum ? frequencies(drawn) : window,
+      spectrum: Boolean(view.spectrum),
+      marks: sheet.marks.map((mark) => ({time: mark.time, lines: linesOf(mark)})),
+      width,
+      height: Math.max(this.#size.height, least),
+      touch: this.#touch.matches,
+      theme: this.#theme,
+      legend: forFile,
+      title: view.title,
+    });
+  }
+
+  #listen() {
+    if (this.#listening) return;
+    this.#listening = true;
+    const graph = /** @type {any} */ (this.#graph);
+    graph.on('plotly_relayout', (/** @type {object} */ report) => this.#on.zoom(report));
+    graph.on('plotly_doubleclick', () => this.#on.live());
+  }
+
+  /** @param {string} text */
+  #say(text) {
+    this.#message.hidden = !text;
+    if (this.#message.textContent !== text) this.#message.textContent = text;
+  }
+
+  /** @param {CanvasSheet} sheet */
+  #describe({view, panels}) {
+    const parts = panels.map(({title, quantity}) => `${title} ${quantity}`);
+    const text = `${view.title}: ${parts.join(', ')}`;
+    if (this.#graph.getAttribute('aria-label') === text) return;
+    this.#graph.setAttribute('role', 'img');
+    this.#graph.setAttribute('aria-label', text);
+  }
+}
+
+/**
+ * @param {CanvasSheet} sheet
+ * @returns {string} why there is nothing to see, or nothing
+ */
+function messageFor({ring, view, panels, window}) {
+  if (!library()) {
+    return document.readyState === 'complete'
+      ? 'The plotting library did not load. Reload the page.' : 'Loading the plots …';
+  }
+  if (!panels.length) return view.empty ?? 'Nothing to show.';
+  if (ring.empty) return 'No data yet. Press play or step.';
+  if (panels.every(({traces}) => !traces.length)) return 'Every lane is hidden.';
+  if (window[1] < ring.timeOf(ring.start)) return 'Nothing is kept of this time any more.';
+  return '';
+}
+
+/**
+ * @param {DrawnPanel[]} panels
+ * @returns {Range} decades that all spectra span
+ */
+function frequencies(panels) {
+  const axes = panels.flatMap(({curves}) => curves.map(({x}) => x)).filter((x) => x.length);
+  if (!axes.length) return [-1, 2];
+  return [
+    Math.log10(Math.min(...axes.map((x) => x[0]))),
+    Math.log10(Math.max(...axes.map((x) => x[x.length - 1]))),
+  ];
+}

@@ -1,0 +1,60 @@
+// @ts-check
+/** Lanes and their colours above the plots; a click hides a lane's curves or shows them again. */
+
+import {element} from './element.js';
+
+/** @typedef {{name: string, color: string}} Lane */
+
+/** The legend. */
+export class PlotLegend {
+  element = element('div', {class: 'plots-legend', role: 'group', 'aria-label': 'Curves'});
+  #drawn = '';
+  #toggle;
+
+  /** @param {(lane: string) => void} toggle */
+  constructor(toggle) { this.#toggle = toggle; }
+
+  /**
+   * @param {{lanes: Lane[], hidden: Set<string>, selected: string, desired: boolean,
+   *   frozen: Map<string, {text: string}>}} shown
+   */
+  show({lanes, hidden, selected, desired, frozen}) {
+    const drawn = JSON.stringify([lanes, [...hidden], selected, desired, [...frozen]]);
+    if (drawn === this.#drawn) return;
+    this.#drawn = drawn;
+    const focused = [...this.element.children].indexOf(
+      /** @type {Element} */ (document.activeElement),
+    );
+    this.element.replaceChildren(...lanes.map((lane) => this.#entry(
+      lane, !hidden.has(lane.name), lane.name === selected, frozen.get(lane.name)?.text,
+    )), ...(desired ? [desiredEntry()] : []));
+    if (focused >= 0) /** @type {HTMLElement} */ (this.element.children[focused])?.focus();
+  }
+
+  /**
+   * @param {Lane} lane
+   * @param {boolean} visible
+   * @param {boolean} selected
+   * @param {string|undefined} frozen why it stopped
+   */
+  #entry({name, color}, visible, selected, frozen) {
+    const dot = element('span', {class: 'plots-dot', 'aria-hidden': 'true'});
+    dot.style.setProperty('--lane', color);
+    return element(
+      'button', {
+        type: 'button', class: selected ? 'plots-lane is-selected' : 'plots-lane',
+        'aria-pressed': visible, title: frozen ?? `${visible ? 'Hide' : 'Show'} ${name}`,
+        on: {click: () => this.#toggle(name)},
+      },
+      dot, element('span', {class: 'plots-lane-name'}, name),
+      frozen && element('span', {class: 'plots-frozen'}, 'frozen'),
+    );
+  }
+}
+
+function desiredEntry() {
+  return element(
+    'span', {class: 'plots-desired'},
+    element('span', {class: 'plots-dash', 'aria-hidden': 'true'}), 'desired',
+  );
+}

@@ -1,0 +1,73 @@
+// @ts-check
+/** Which stretch of time the plots show: the newest, or the one their user holds. */
+
+/** @typedef {import('./ring.js').Ring} Ring */
+/** @typedef {[number, number]} Range */
+
+export const LENGTHS = [2, 5, 10, 30, 60];
+const AXIS = /^([xy]axis\d*)\.range(?:\[([01])\])?$/;
+
+/**
+ * Ranges of the axes in a report of the plotting library about a zoom.
+ *
+ * @param {{[name: string]: any}} report
+ * @returns {Map<string, Range>}
+ */
+export function reportedRanges(report) {
+  /** @type {Map<string, Range>} */ const ranges = new Map();
+  for (const [name, value] of Object.entries(report)) {
+    const [, axis, end] = AXIS.exec(name) ?? [];
+    if (!axis) continue;
+    const range = ranges.get(axis) ?? /** @type {Range} */ ([NaN, NaN]);
+    if (end) range[Number(end)] = Number(value);
+    else [range[0], range[1]] = value.map(Number);
+    ranges.set(axis, range);
+  }
+  return ranges;
+}
+
+/** The visible window. */
+export class PlotWindow {
+  /** Seconds shown while following. */
+  length = 10;
+  /** @type {Range|null} Seconds shown while held. */ #held = null;
+  /** @type {Map<string, Range>} Axes that the user zoomed, of the tab on the screen. */
+  zoomed = new Map();
+
+  /** Whether the newest data are always in sight. */
+  get live() { return this.#held === null; }
+
+  /**
+   * @param {Ring} ring
+   * @returns {Range} in [s]
+   */
+  range(ring) {
+    if (this.#held) return this.#held;
+    if (ring.empty) return [0, this.length];
+    const oldest = ring.timeOf(ring.start);
+    const from = Math.max(ring.newest - this.length, oldest);
+    return [from, from + this.length];
+  }
+
+  /** @param {Range} range in [s] */
+  hold(range) { this.#held = [...range]; }
+
+  /**
+   * Hold what is seen, moved or magnified.
+   *
+   * @param {Ring} ring
+   * @param {{shift?: number, factor?: number}} change shift as a part of the window's length
+   */
+  move(ring, {shift = 0, factor = 1}) {
+    const [from, to] = this.range(ring);
+    const middle = (from + to) / 2 + shift * (to - from);
+    const half = ((to - from) / 2) * factor;
+    this.hold([middle - half, middle + half]);
+  }
+
+  /** Show the newest again. */
+  follow() {
+    this.#held = null;
+    this.zoomed.clear();
+  }
+}

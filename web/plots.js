@@ -1,0 +1,291 @@
+// @ts-check
+/** The plots: tabs, legend, figure and toolbar over the newest telemetry. */
+
+import {download, image, spectrumTable, timeTable} from './download.js';
+import {element} from './element.js';
+import {Canvas} from './plot_canvas.js';
+import {PlotLegend} from './plot_legend.js';
+import {PlotTabs} from './plot_tabs.js';
+import {PlotToolbar} from './plot_toolbar.js';
+import {PlotWindow, reportedRanges} from './plot_window.js';
+import {VIEWS} from './plot_views.js';
+import {recall, remember} from './remembered.js';
+import {RevisionMarks} from './revision_marks.js';
+import {Ring} from './ring.js';
+
+/** @typedef {import('./api.js').Api} Api */
+/** @typedef {import('./panel_curves.js').Freeze} Freeze */
+/** @typedef {import('./plot_views.js').View} View */
+/** @typedef {import('./plot_views.js').Source} Source */
+
+const ALL_JOINTS = [1, 2, 3, 4, 5, 6];
+const FIRST_JOINTS = [1, 2, 3];
+/** A spectrum takes longer to work out than a curve, and nobody reads it faster. */
+const SPECTRUM_MS = 250;
+/** With Shift, because the page takes the arrow keys alone. */
+const TIME_KEYS = new Map([
+  ['ArrowLeft', {shift: -0.1}], ['ArrowRight', {shift: 0.1}],
+  ['ArrowUp', {factor: 0.8}], ['ArrowDown', {factor: 1.25}],
+]);
+
+/**
+ * @param {HTMLElement} root
+ * @param {Api} api
+ */
+export function mount(root, api) { new Plots(root, api); }
+
+class Plots {
+  #api;
+  #ring = new Ring();
+  #window = new PlotWindow();
+  #marks = new RevisionMarks();
+  /** @type {View} */ #view = VIEWS.find(({id}) => id === recall('plots.view')) ?? VIEWS[0];
+  /** @type {number[]} */ #joints = rememberedJoints();
+  /** @type {Set<string>} */ #hidden = new Set();
+  /** @type {Map<string, Freeze>} */ #freezes = new Map();
+  /** @type {string[]} */ #lanes = [];
+  /** @type {number|null} */ #epoch = null;
+  #restarts = 0;
+  #restartsAtState = 0;
+
+  /**
+   * @param {HTMLElement} root
+   * @param {Api} api
+   */
+  constructor(root, api) {
+    this.#api = api;
+    const stage = element('div', {
+      class: 'plots-stage', tabindex: 0,
+      'aria-keyshortcuts': 'Shift+ArrowLeft Shift+ArrowRight Shift+ArrowUp Shift+ArrowDown Escape',
+    });
+    this.canvas = new Canvas(stage, () => this.#sheet(), {
+      zoom: (report) => this.#zoomed(report),
+      live: () => this.#follow(),
+    });
+    this.tabs = new PlotTabs(VIEWS, stage, (id) => this.#choose(id));
+    this.legend = new PlotLegend((lane) => this.#toggleLane(lane));
+    this.toolbar = new PlotToolbar({
+      joint: (joint) => this.#toggleJoint(joint),
+      length: (seconds) => { this.#window.length = seconds; this.#follow(); },
+      live: () => (this.#window.live ? this.#hold({}) : this.#follow()),
+      png: () => this.#saveImage('png'),
+      svg: () => this.#saveImage('svg'),
+      csv: () => this.#saveTable(),
+    });
+    stage.addEventListener('keydown', (event) => this.#keyed(event));
+    root.classList.add('plots');
+    root.append(this.tabs.element, this.legend.element, stage, this.toolbar.element);
+    this.#listen();
+    if (api.channels.length) this.#hello();
+    this.#show();
+  }
+
+  #listen() {
+    const on = (/** @type {string} */ type, /** @type {(detail: any) => void} */ act) => (
+      this.#api.addEventListener(type, (event) => act(/** @type {CustomEvent} */ (event).detail))
+    );
+    on('hello', () => this.#hello());
+    on('patch', ({revision, experiment}) => {
+      this.#marks.note(revision, experiment ?? this.#api.experiment);
+    });
+    on('state', () => this.#state());
+    on('frame', (frame) => this.#frame(frame));
+    on('select', () => this.#show());
+    on('joint', (joint) => { if (this.#view.joints) this.#toggleJoint(joint); });
+  }
+
+  // What arrives
+
+  #hello() {
+    const lanes = this.#api.lanes.map(({name}) => name);
+    const gone = this.#lanes.filter((name) => !lanes.includes(name));
+    const come = lanes.filter((name) => !this.#lanes.includes(name));
+    if (gone.length === 1 && come.length === 1) this.#ring.rename(gone[0], come[0]);
+    this.#lanes = lanes;
+    this.#ring.configure(this.#api.channels);
+    this.#marks.note(this.#api.revision, this.#api.experiment);
+    this.#state();
+    this.#show();
+  }
+
+  #state() {
+    const session = this.#api.session;
+    if (!session) return;
+    // Frames of the new epoch may have come first, and have emptied the ring then.
+    const restarted = this.#ring.restarts !== this.#restartsAtState;
+    if (this.#epoch !== null && session.epoch !== this.#epoch && !restarted) this.#ring.clear();
+    this.#epoch = session.epoch;
+    this.#restartsAtState = this.#ring.restarts;
+    this.#noticeRestart();
+    const freezes = freezesOf(session);
+    const news = JSON.stringify([...freezes]) !== JSON.stringify([...this.#freezes]);
+    this.#freezes = freezes;
+    if (news) this.#show();
+  }
+
+  /** @param {import('./api.js').Frame} frame */
+  #frame(frame) {
+    const before = this.#ring.end;
+    this.#ring.append(frame);
+    this.#noticeRestart();
+    const unseen = this.#window.live || before === 0
+      || this.#ring.timeOf(before) < this.#window.range(this.#ring)[1];
+    if (unseen) this.#request();
+  }
+
+  #noticeRestart() {
+    if (this.#ring.restarts === this.#restarts) return;
+    this.#restarts = this.#ring.restarts;
+    this.#marks.clear();
+    this.canvas.forgetRanges();
+    this.#window.follow();
+    this.#show();
+  }
+
+  // What the user does
+
+  /** @param {string} id */
+  #choose(id) {
+    this.#view = VIEWS.find((view) => view.id === id) ?? VIEWS[0];
+    remember('plots.view', this.#view.id);
+    this.#window.zoomed.clear();
+    this.canvas.forgetRanges();
+    this.#show();
+  }
+
+  /** @param {number} joint */
+  #toggleJoint(joint) {
+    const shown = this.#joints.includes(joint);
+    if (shown && this.#joints.length === 1) return;
+    this.#joints = ALL_JOINTS.filter((each) => this.#joints.includes(each) !== (each === joint));
+    remember('plots.joints', this.#joints.join(''));
+    this.#window.zoomed.clear();
+    this.#show();
+  }
+
+  /** @param {string} lane */
+  #toggleLane(lane) {
+    if (!this.#hidden.delete(lane)) this.#hidden.add(lane);
+    this.#show();
+  }
+
+  #follow() {
+    this.#window.follow();
+    this.#show();
+  }
+
+  /** @param {{shift?: number, factor?: number}} change */
+  #hold(change) {
+    this.#window.move(this.#ring, change);
+    this.#show();
+  }
+
+  /** @param {object} report */
+  #zoomed(report) {
+    const ranges = reportedRanges(report);
+    const time = this.#view.spectrum ? undefined : ranges.get('xaxis');
+    if (time) ranges.delete('xaxis');
+    this.#window.hold(time ?? this.#window.range(this.#ring));
+    for (const [axis, range] of ranges) this.#window.zoomed.set(axis, range);
+    this.#show();
+  }
+
+  /** @param {KeyboardEvent} event */
+  #keyed(event) {
+    const change = event.shiftKey && TIME_KEYS.get(event.key);
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (change) this.#hold(change);
+    else if (event.key === 'Escape') this.#follow();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  // What is shown
+
+  #request() { this.canvas.request({least: this.#view.spectrum ? SPECTRUM_MS : 0}); }
+
+  /** Bring everything but the curves up to date, and ask for those. */
+  #show() {
+    const {lanes, selected} = this.#api;
+    const view = this.#view;
+    this.tabs.select(view.id);
+    this.legend.show({
+      lanes, selected, hidden: this.#hidden, frozen: this.#freezes,
+      desired: this.#panels().some(({traces}) => traces.some(({role}) => role === 'desired')),
+    });
+    this.toolbar.show({
+      joints: this.#joints, perJoint: view.joints, length: this.#window.length,
+      live: this.#window.live,
+    });
+    this.#request();
+  }
+
+  /** @param {{joints?: number[], hidden?: Set<string>}} [choice] */
+  #panels({joints = this.#joints, hidden = this.#hidden} = {}) {
+    const {lanes, laws, experiment} = this.#api;
+    const networks = new Set(laws.filter(({network}) => network).map(({name}) => name));
+    return this.#view.panels({
+      ring: this.#ring,
+      joints,
+      lanes: lanes.map(({name}) => name).filter((name) => !hidden.has(name)),
+      hasNetwork: (lane) => networks.has(experiment.lanes?.[lane]?.law),
+    });
+  }
+
+  /** @returns {import('./plot_canvas.js').CanvasSheet} */
+  #sheet() {
+    const {lanes, selected} = this.#api;
+    return {
+      ring: this.#ring,
+      view: this.#view,
+      panels: this.#panels(),
+      window: this.#window.range(this.#ring),
+      zoomed: this.#window.zoomed,
+      freezes: this.#freezes,
+      marks: this.#view.spectrum ? [] : this.#marks.of(this.#ring),
+      colors: new Map(lanes.map(({name, color}) => [name, color])),
+      selected,
+    };
+  }
+
+  // Files
+
+  /** @param {'png'|'svg'} format */
+  async #saveImage(format) {
+    download(await image(this.canvas.forFile(), format), this.#fileName(format));
+  }
+
+  #saveTable() {
+    const panels = this.#panels({joints: ALL_JOINTS, hidden: new Set()});
+    const build = this.#view.spectrum ? spectrumTable : timeTable;
+    const window = this.#window.range(this.#ring);
+    download(build(this.#ring, panels, window, this.#freezes), this.#fileName('csv'));
+  }
+
+  /** @param {string} ending */
+  #fileName(ending) {
+    const [, to] = this.#window.range(this.#ring);
+    const end = this.#ring.empty ? 0 : Math.min(to, this.#ring.newest);
+    return `slidetune-${this.#view.id}-${end.toFixed(2)}s.${ending}`;
+  }
+}
+
+/**
+ * @param {import('./api.js').State} session
+ * @returns {Map<string, Freeze>}
+ */
+function freezesOf(session) {
+  /** @type {Map<string, Freeze>} */ const freezes = new Map();
+  for (const [lane, {status, time, cause}] of Object.entries(session.lanes ?? {})) {
+    if (status !== 'frozen' || time === null) continue;
+    freezes.set(lane, {time, text: cause || `Frozen at ${time.toFixed(3)} s.`});
+  }
+  return freezes;
+}
+
+/** @returns {number[]} */
+function rememberedJoints() {
+  const joints = ALL_JOINTS.filter((joint) => recall('plots.joints')?.includes(String(joint)));
+  return joints.length ? joints : FIRST_JOINTS;
+}

@@ -1,0 +1,83 @@
+// @ts-check
+/** The 3D scene and what is laid over it. */
+
+import {element, freshId} from './element.js';
+
+const ADDRESS = '/scene/';
+const MOST = 50;
+
+/**
+ * @param {HTMLElement} place
+ * @param {import('./api.js').Api} api
+ * @param {(event: KeyboardEvent) => void} pressed keys pressed in the scene count as well
+ */
+export function mount(place, api, pressed) {
+  const frame = element('iframe', {title: '3D scene', class: 'scene-frame'});
+  const veil = element('p', {class: 'scene-veil', role: 'status'}, 'Loading the scene…');
+  frame.addEventListener('load', () => {
+    if (!frame.src) return;
+    veil.hidden = true;
+    // Arrows move the camera there.
+    frame.contentWindow?.addEventListener('keydown', (event) => {
+      if (!event.key.startsWith('Arrow')) pressed(event);
+    });
+  });
+  // Only once it can be seen: on a telephone the scene is behind a tab.
+  new ResizeObserver((_, observer) => {
+    if (!place.clientWidth) return;
+    observer.disconnect();
+    frame.src = ADDRESS;
+  }).observe(place);
+  place.append(frame, veil, bar(api));
+}
+
+/** @param {import('./api.js').Api} api */
+function bar(api) {
+  const id = freshId('exaggeration');
+  const value = element('output', {for: id});
+  const slider = element('input', {
+    id, type: 'range', class: 'slider', min: 0, max: 100, step: 1,
+    on: {input: () => later(() => api.view({exaggeration: along(slider.valueAsNumber)}))},
+  });
+  const ghosts = element('input', {
+    type: 'checkbox', role: 'switch', class: 'switch',
+    on: {change: () => api.view({ghosts: ghosts.checked})},
+  });
+  const write = (/** @type {number} */ times) => {
+    const text = times === 1 ? 'deviations true to scale' : `deviations shown ${times}× larger`;
+    value.textContent = text;
+    slider.setAttribute('aria-valuetext', text);
+    slider.style.setProperty('--to', String(slider.valueAsNumber / 100));
+  };
+  slider.addEventListener('input', () => write(along(slider.valueAsNumber)));
+  slider.addEventListener('dblclick', () => { api.view({exaggeration: 1}); show(); });
+  const show = () => {
+    const {exaggeration, ghosts: on} = api.drawn;
+    if (document.activeElement !== slider || exaggeration === 1) {
+      slider.value = String((100 * Math.log(exaggeration)) / Math.log(MOST));
+    }
+    write(exaggeration);
+    ghosts.checked = on;
+  };
+  api.addEventListener('hello', show);
+  const label = element('label', {for: id, class: 'visually-hidden'}, 'Exaggeration of deviations');
+  const lanes = element('label', {class: 'scene-ghosts'}, ghosts, 'ghosts');
+  return element('div', {class: 'scene-bar'}, label, slider, value, lanes);
+}
+
+/**
+ * @param {number} percent of the slider
+ * @returns {number} 1 to 50, evenly in its logarithm
+ */
+function along(percent) {
+  const times = MOST ** (percent / 100);
+  return times < 10 ? Math.round(times * 10) / 10 : Math.round(times);
+}
+
+let waiting = 0;
+
+/** @param {() => void} run at the next frame, the last one wins */
+function later(run) {
+  cancelAnimationFrame(waiting);
+  waiting = requestAnimationFrame(run);
+}
