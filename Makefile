@@ -30,6 +30,7 @@ run: $(INSTALLED)  ## Run the dashboard
 	$(VENV_PYTHON) -m server serve $(ARGS)
 
 install: $(INSTALLED)  ## Set up .venv with everything that run, test and check need
+	@echo '.venv is ready: make run starts the dashboard.'
 
 test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
 	@CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
@@ -52,11 +53,13 @@ lock:  ## Write requirements.lock anew with today's versions
 	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check hatchling editables '.[test,check]'
 	@intel=`grep 'sys_platform == "darwin"' requirements.lock`; \
 	{ grep '^#' requirements.lock; \
-	$(LOCK_VENV)/bin/python -m pip freeze --exclude slidetune | while read -r line; do \
-	case "$$intel" in \
-	*"$${line%%==*}=="*) echo "$$line ; "'$(NOT_INTEL_MAC)';; \
-	*) echo "$$line";; \
-	esac; done; echo "$$intel"; } | LC_ALL=C sort -f > $(LOCK_VENV)/requirements.lock
+	{ echo "$$intel"; $(LOCK_VENV)/bin/python -m pip freeze --exclude slidetune | \
+	while read -r line; do \
+	  case "$$intel" in \
+	    *"$${line%%==*}=="*) echo "$$line ; "'$(NOT_INTEL_MAC)';; \
+	    *) echo "$$line";; \
+	  esac; \
+	done; } | LC_ALL=C sort -f; } > $(LOCK_VENV)/requirements.lock
 	mv $(LOCK_VENV)/requirements.lock requirements.lock
 
 clean:  ## Remove .venv and everything else that was generated

@@ -20,6 +20,8 @@ Array = np.ndarray
 SAMPLES = 256
 """Samples along one turn (*ours*): the interpolated flange stays within a micrometre."""
 _TOLERANCE = 1e-10
+_CLOSURE = 1e-6
+"""Difference of a joint's angle [rad] after a turn that still counts as closed (*ours*)."""
 _SMALLEST_SINGULAR_VALUE = 0.02
 """Below it joint velocities grow past 50 times the flange's: refused (*ours*)."""
 _AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -28,13 +30,13 @@ _AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 def _solve(model: pin.Model, data: pin.Data, frame: int, target: pin.SE3, q: Array) -> Array | None:
     """Return the angles near ``q`` whose flange is at ``target`` (Newton), or ``None``."""
     for _ in range(30):
+        pin.framesForwardKinematics(model, data, q)
         jacobian = pin.computeFrameJacobian(model, data, q, frame, pin.LOCAL)
-        pin.updateFramePlacement(model, data, frame)
+        if np.linalg.svd(jacobian, compute_uv=False)[-1] < _SMALLEST_SINGULAR_VALUE:
+            return None
         error = pin.log6(data.oMf[frame].actInv(target)).vector
         if np.linalg.norm(error) < _TOLERANCE:
             return q
-        if np.linalg.svd(jacobian, compute_uv=False)[-1] < _SMALLEST_SINGULAR_VALUE:
-            return None
         q = q + np.linalg.solve(jacobian, error)
     return None
 
@@ -50,7 +52,8 @@ def follow_circle(circle: CircleTrajectory) -> Array:
         q_d [rad], v_d [rad/s], a_d [rad/s^2] at evenly spaced times. Shape (257, 3, 6).
 
     Raises:
-        UnreachableError: if the arm can't follow; says where on the circle.
+        UnreachableError: if the arm can't follow; says where on the circle, and which field is to
+            blame.
     """
     from robot.experiment import Robot
 
@@ -71,13 +74,28 @@ def follow_circle(circle: CircleTrajectory) -> Array:
         target = pin.SE3(start.rotation, start.translation + along)
         solution = _solve(model, data, frame, target, q)
         if solution is None:
-            raise UnreachableError(
-                f"the arm can't follow this circle past {np.degrees(angle):.0f}° of the turn: "
-                f"radius {radius:g} m is too large for this pose, choose a smaller one"
-            )
+            raise _out_of_reach(angle, radius)
         q = solution
         turn[n] = _motion(model, data, frame, q, omega * radius * rate, omega**2 * radius * bend)
+    if np.abs(turn[-1, 0] - turn[0, 0]).max() > _CLOSURE:
+        raise UnreachableError(
+            f"radius {radius:g} m leads the flange round an axis of the arm, so that a joint winds "
+            "by 360° at every turn: choose a smaller radius, or another pose"
+        )
     return turn
+
+
+def _out_of_reach(angle: float, radius: float) -> UnreachableError:
+    if angle == 0.0:
+        return UnreachableError(
+            "the circle's pose is singular (stretched, or with two axes in line), so that the "
+            "flange can't leave it in every direction: bend joints 3 and 5",
+            field="pose",
+        )
+    return UnreachableError(
+        f"the arm can't follow this circle past {np.degrees(angle):.0f}° of the turn: "
+        f"radius {radius:g} m is too large for this pose, choose a smaller one"
+    )
 
 
 def _motion(

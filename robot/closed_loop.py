@@ -55,6 +55,10 @@ class ClosedLoop:
         for lane in self.lanes.values():
             lane.restart(self.packed)
 
+    def travel(self, time: float) -> None:
+        """Set the time of the next step to ``time`` [s]; the states are the caller's."""
+        self._since, self._from = time, self.number
+
     def adopt(self, packed: Packed, origins: dict[str, str] | None = None) -> None:
         """Take another experiment from the next step on; time and states go on.
 
@@ -78,7 +82,7 @@ class ClosedLoop:
                 before[name].adopt(packed)
                 continue
             lane = self._lane(name)
-            lane.copy_state(before[(origins or {}).get(name, first)])
+            lane.continue_from(before[(origins or {}).get(name, first)], packed)
             self.lanes[name] = lane
 
     def step(self) -> int:

@@ -199,7 +199,8 @@ def external_torque(t, base, world, work):  # type: ignore[no-untyped-def]
 @kernel
 def _uniform(seed, sample, stream):  # type: ignore[no-untyped-def]
     """Hash three whole numbers to (0, 1) (the finalizer of SplitMix64): no state, no order."""
-    z = np.uint64(seed) * np.uint64(0x9E3779B97F4A7C15)
+    # One more than the seed: zero would be a fixed point, and its sample nine deviations away.
+    z = np.uint64(seed + 1) * np.uint64(0x9E3779B97F4A7C15)
     z += np.uint64(sample) * np.uint64(0xD1342543DE82EF95) + np.uint64(stream)
     for _ in range(2):
         z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

@@ -69,4 +69,9 @@ class PresetStorageError(SlidetuneError, OSError):
 
 
 class UnreachableError(SlidetuneError, ValueError):
-    """A flange pose that the arm can't reach."""
+    """A flange path that the arm can't follow; ``field`` names what to change about it."""
+
+    def __init__(self, text: str, field: str = "radius") -> None:
+        """Keep the text and the field to blame."""
+        super().__init__(text)
+        self.field = field

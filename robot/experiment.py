@@ -24,7 +24,7 @@ MAX_LANES = 6
 MAX_STEPS = 200_000
 """Most steps of one run (*ours*): 200 s at 1 kHz, about 80 MB of results a lane."""
 
-_LANE_NAME = re.compile(r"[^\x00-\x1f\x7f/\\<>]{1,40}")
+_LANE_NAME = re.compile(r"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{1,40}")
 
 
 def _lane_name(name: str) -> str:
@@ -137,6 +137,12 @@ class Simulation(Section):
         """Time between two rows of a result in [s]."""
         return self.step if self.mode == "continuous" else 1.0 / self.control_rate
 
+    @property
+    def delay(self) -> tuple[int, int]:
+        """Input delay as whole control periods and the steps of the arm beyond them."""
+        steps = round(self.input_delay * self.control_rate * self.plant_substeps)
+        return divmod(steps, self.plant_substeps)
+
     @model_validator(mode="after")
     def _not_too_long(self) -> Simulation:
         steps = self.horizon / self.row_period
@@ -181,6 +187,11 @@ class Experiment(Section):
                 )
                 raise refusal(f"lanes.{name}.switching", "sign", text)
         return self
+
+    def __hash__(self) -> int:
+        """Agree with ``==``, which takes no notice of the lanes' order."""
+        sections = (self.robot, self.trajectory, self.disturbance, self.simulation)
+        return hash((self.title, self.description, frozenset(self.lanes.items()), *sections))
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any]) -> Experiment:

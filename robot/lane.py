@@ -10,10 +10,10 @@ from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
-from robot.stability import sampling_margin
-from robot.steps import Step, bind_step
+from robot.stability import margin_limit, sampling_margin, sufficient_rate
+from robot.steps import Step, bind_step, torques_on_the_way
 from robot.trajectory import reference
-from robot.workspace import PUSH, QD, RECORD, STATE_ROWS, VD, WORK_ROWS, Q, V
+from robot.workspace import PUSH, QD, RECORD, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
 
 Array = np.ndarray
 
@@ -46,6 +46,7 @@ class Lane:
         work: workspace of the kernels; ``robot.workspace`` names its rows.
         record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
         freeze: why it stands still, ``None`` while it runs.
+        commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
         step: the bound step; see ``robot.steps.Step``.
     """
 
@@ -55,6 +56,7 @@ class Lane:
         self.record = record
         self.work = np.zeros((WORK_ROWS, JOINTS))
         self.freeze: Freeze | None = None
+        self.commands: Array | None = None
         self.restart(packed)
 
     def restart(self, packed: Packed) -> None:
@@ -66,18 +68,23 @@ class Lane:
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
         self.freeze = None
+        self.commands = None
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
         """Take other gains, arm or trajectory from the next step on; the state goes on."""
         law = LAWS[packed.experiment.lanes[self.name].law]
-        self.step: Step = bind_step(law, packed, packed.gains[self.name], self.work, self.record)
+        self.commands = torques_on_the_way(packed, self.work, self.commands)
+        gains = packed.gains[self.name]
+        self.step: Step = bind_step(law, packed, gains, self.work, self.record, self.commands)
 
-    def copy_state(self, other: Lane) -> None:
-        """Continue from another lane's angles, velocities and weights."""
+    def continue_from(self, other: Lane, packed: Packed) -> None:
+        """Take over another lane's state, torques on their way, past rows and freeze."""
         self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
-        self.work[PUSH] = other.work[PUSH]
-        self.freeze = other.freeze
+        self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
+        self.record[:] = other.record
+        self.freeze, self.commands = other.freeze, other.commands
+        self.adopt(packed)
 
     def hold(self, packed: Packed, time: float, row: int) -> None:
         """Record a frozen lane: its last finite row, and the desired motion that goes on."""
@@ -93,12 +100,15 @@ class Lane:
             f"at {time:.3f} s."
         )
         simulation = packed.experiment.simulation
-        if simulation.mode == "sampled" and gamma > 2.0:
-            rate = simulation.control_rate * gamma / 2.0
+        limit = margin_limit(simulation)
+        if simulation.mode == "sampled" and gamma > limit:
+            late = " and its input delay" if simulation.input_delay else ""
+            rate = sufficient_rate(simulation, gamma)
+            faster = f", or sample at {rate:.3g} Hz" if rate is not None else ""
             cause += (
-                f" The gains are too high for {simulation.control_rate:g} Hz: γ = {gamma:.3g} where "
-                f"a sampled loop needs less than 2. Lower k₁ or k₂/ε, add armature, or sample "
-                f"above {rate:.3g} Hz."
+                f" The gains are too high for {simulation.control_rate:g} Hz{late}: "
+                f"γ = {gamma:.3g} where a sampled loop needs less than {limit:.3g}. "
+                f"Lower k₁ or k₂/ε, add armature{faster}."
             )
             self.freeze = Freeze(time, joint, cause, gamma)
             return

@@ -23,7 +23,7 @@ def _merge(target: Any, patch: Any) -> Any:
         return patch
     merged = dict(target) if isinstance(target, Mapping) else {}
     for key, value in patch.items():
-        if value is None and key != "torque_limit":
+        if value is None:
             merged.pop(key, None)
         else:
             merged[key] = _merge(merged.get(key), value)
@@ -53,9 +53,11 @@ def _renamed_in_place(before: Document, after: Document) -> Document:
 def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
     """Return ``document`` changed by ``patch``; see ``Experiment.patched``.
 
-    One field, ``torque_limit``, takes ``null`` as its value for "off": removing it means the same.
+    ``null`` removes, so that ``torque_limit: null`` takes it back to its default, which is "off".
     """
     merged: Document = _merge(document, patch)
+    if not isinstance(patch, Mapping):
+        return merged
     lanes, changes = merged.get("lanes"), patch.get("lanes")
     if isinstance(lanes, dict) and isinstance(changes, Mapping):
         before = document["lanes"]
@@ -70,3 +72,24 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
             document["trajectory"], merged["trajectory"], patch["trajectory"], "kind", _TRAJECTORIES
         )
     return merged
+
+
+def difference(before: Any, after: Any) -> Any:
+    """Return the merge patch that turns one document into another.
+
+    Args:
+        before: a document.
+        after: another.
+
+    Returns:
+        The patch; an empty mapping if they are equal.
+    """
+    if not isinstance(before, Mapping) or not isinstance(after, Mapping):
+        return after
+    patch: Document = {key: None for key in before if key not in after}
+    for key, value in after.items():
+        if key not in before:
+            patch[key] = value
+        elif before[key] != value:
+            patch[key] = difference(before[key], value)
+    return patch

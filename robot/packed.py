@@ -49,7 +49,8 @@ def pack(experiment: Experiment) -> Packed:
         try:
             turn = follow_circle(trajectory)
         except UnreachableError as error:
-            refused = FieldError("trajectory.radius", str(error), trajectory.radius)
+            value = getattr(trajectory, error.field)
+            refused = FieldError(f"trajectory.{error.field}", str(error), value)
             raise InvalidExperimentError([refused]) from error
     world = pack_world(
         experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit

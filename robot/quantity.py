@@ -212,5 +212,5 @@ class Section(BaseModel):
         low, high = float(extra["minimum"]), float(extra["maximum"])  # type: ignore[arg-type]
         for number in value if isinstance(value, tuple) else (value,):
             if not low <= number <= high or (extra.get("odd") and number % 2 != 1):
-                raise ValueError(f"must be in {allowed_text(extra)}, got {number:g}")
+                raise ValueError(f"must be in {allowed_text(extra)}, got {number:.12g}")
         return value

@@ -2,16 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from robot.errors import FieldError
 from robot.quantity import allowed_text
 
 _LONGEST = 120
+_TEXTS = {
+    "model_type": "needs a mapping",
+    "model_attributes_type": "needs a mapping",
+    "dict_type": "needs a mapping",
+    "invalid_key": "needs texts as keys",
+    "bool_parsing": "needs true or false",
+    "bool_type": "needs true or false",
+    "string_type": "needs a text",
+    "string_unicode": "needs a text without halves of characters",
+    "string_too_long": "takes at most {max_length} characters",
+    "too_short": "holds at least {min_length}",
+    "too_long": "holds at most {max_length}",
+    "literal_error": "needs one of {expected}",
+}
+"""Our words for what pydantic calls otherwise."""
 
 
 def _variants(annotation: Any) -> list[type[BaseModel]]:
@@ -24,66 +42,110 @@ def _variants(annotation: Any) -> list[type[BaseModel]]:
     return found
 
 
-def _tagged(models: list[type[BaseModel]], tag: object) -> list[type[BaseModel]]:
-    def tags(model: type[BaseModel]) -> set[object]:
-        fields = model.model_fields
-        return {fields[key].default for key in ("law", "kind") if key in fields}
+def _tags(models: list[type[BaseModel]]) -> dict[object, type[BaseModel]]:
+    """Return the variants of a union by the value of ``law`` or ``kind`` that chooses them."""
+    return {
+        model.model_fields[key].default: model
+        for model in models
+        for key in ("law", "kind")
+        if key in model.model_fields
+    }
 
-    return [model for model in models if tag in tags(model)]
+
+@dataclass
+class _Place:
+    """Where an error's location leads."""
+
+    path: list[str]
+    holder: type[BaseModel] | None
+    models: list[type[BaseModel]]
+    info: FieldInfo | None = None
 
 
-def _walk(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[list[str], Any, Any]:
-    """Return the path without union tags, the model that holds its end, and its field."""
-    path: list[str] = []
-    holder: type[BaseModel] | None = model
-    models: list[type[BaseModel]] = []
-    info = None
+def _walk(model: type[BaseModel], location: tuple[int | str, ...]) -> _Place:
+    """Follow a location: the path without union tags, the model that holds its end, its field."""
+    place = _Place([], model, [model])
+    # A lane may bear the name of a law.
+    is_name = False
     for part in location:
-        tagged = _tagged(models, part) if len(models) > 1 else []
-        if tagged:
-            holder, models = tagged[0], []
+        tagged = None if is_name or len(place.models) < 2 else _tags(place.models).get(part)
+        if tagged is not None:
+            place.holder, place.models = tagged, []
             continue
-        path.append(str(part))
-        if holder is not None and part in holder.model_fields:
-            info = holder.model_fields[str(part)]
-            models = _variants(info.annotation)
-            holder = models[0] if len(models) == 1 else None
-        elif len(models) <= 1:
-            info = None
-    return path, holder, info
+        place.path.append(str(part))
+        if is_name:
+            is_name = False
+        elif place.holder is not None and part in place.holder.model_fields:
+            place.info = place.holder.model_fields[str(part)]
+            place.models = _variants(place.info.annotation)
+            place.holder = place.models[0] if len(place.models) == 1 else None
+            is_name = get_origin(place.info.annotation) is dict
+        elif len(place.models) <= 1:
+            place.info = None
+    return place
+
+
+def _written(text: str) -> str:
+    """Return a text that UTF-8 can carry, not too long."""
+    text = text.encode("utf-8", "backslashreplace").decode()
+    return text if len(text) <= _LONGEST else text[:_LONGEST] + "…"
 
 
 def _short(value: object) -> object:
-    if value is None or isinstance(value, bool | int | float):
+    if isinstance(value, str):
+        return _written(value)
+    try:
         text = repr(value)
-        return value if len(text) <= _LONGEST and value == value else text[:_LONGEST]
-    text = value if isinstance(value, str) else repr(value)
-    return text if len(text) <= _LONGEST else text[:_LONGEST] + "…"
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
+    plain = value is None or isinstance(value, bool | int | float)
+    return value if plain and len(text) <= _LONGEST and value == value else _written(text)
+
+
+def _hint(name: object, known: list[str]) -> str:
+    close = get_close_matches(str(name), known, n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def _unknown(key: str, holder: type[BaseModel] | None) -> str:
     known = sorted(holder.model_fields) if holder is not None else []
-    close = get_close_matches(key, known, n=1)
-    hint = f"; did you mean {close[0]}?" if close else ""
+    hint = _hint(key, known) or "."
     return f"unknown field{hint} Known: {', '.join(known)}" if known else "unknown field"
 
 
-def _refusal(error: ErrorDetails, model: type[BaseModel]) -> FieldError:
-    path, _, info = _walk(model, tuple(part for part in error["loc"] if part != "[key]"))
-    text = error["msg"].removeprefix("Value error, ")
+def _wrong_tag(error: ErrorDetails, place: _Place) -> FieldError:
+    key = str(error["ctx"]["discriminator"]).strip("'")
+    given = error["input"].get(key) if isinstance(error["input"], Mapping) else None
+    known = [str(tag) for tag in _tags(place.models)]
+    text = f"{key} needs one of {', '.join(known)}, got {_short(given)}{_hint(given, known)}"
+    return FieldError(".".join([*place.path, key]), text, _short(given), ", ".join(known))
+
+
+def _text(error: ErrorDetails, value: object) -> str:
+    """Say what is wrong with a value, in our words where pydantic's are its own."""
     context = error.get("ctx", {})
+    text = error["msg"].removeprefix("Value error, ")
+    if error["type"] in _TEXTS:
+        text = _TEXTS[error["type"]].format(**context)
+    return text if ", got " in text else f"{text}, got {value}"
+
+
+def _refusal(error: ErrorDetails, model: type[BaseModel]) -> FieldError:
+    place = _walk(model, tuple(part for part in error["loc"] if part != "[key]"))
+    path = [_written(part) for part in place.path]
+    context, value = error.get("ctx", {}), _short(error.get("input"))
     if error["type"] == "combination":
-        return FieldError(".".join([*path, context["path"]]), text, _short(context["value"]))
+        where = ".".join([*path, context["path"]])
+        return FieldError(where, context["text"], _short(context["value"]))
+    if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
+        return _wrong_tag(error, place)
     if error["type"] == "extra_forbidden":
-        text = _unknown(path[-1], _walk(model, error["loc"][:-1])[1])
-    elif error["type"] in ("union_tag_invalid", "union_tag_not_found"):
-        text = f"needs one of {context.get('expected_tags', 'the known kinds')}"
-        path.append(str(context.get("discriminator", "")).strip("'"))
-    elif path and not path[-1].isdigit():
-        text = f"{path[-1]} {text[0].lower()}{text[1:]}"
-    extra = info.json_schema_extra if info is not None else None
+        text = _unknown(path[-1], _walk(model, error["loc"][:-1]).holder)
+        return FieldError(".".join(path), text, value)
+    text = f"{path[-1] if path else 'an experiment'} {_text(error, value)}"
+    extra = place.info.json_schema_extra if place.info is not None else None
     allowed = allowed_text(extra) if isinstance(extra, dict) else ""
-    return FieldError(".".join(path), text, _short(error.get("input")), allowed)
+    return FieldError(".".join(path), text, value, allowed or str(context.get("expected", "")))
 
 
 def field_errors(error: ValidationError, model: type[BaseModel]) -> list[FieldError]:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
+from robot.experiment import MAX_STEPS, Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
@@ -30,7 +31,9 @@ from robot.workspace import (
 Array = np.ndarray
 
 MARGIN_LIMIT = 2.0
-"""A sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
+"""An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
+_FASTEST = 9900.0
+"""Greatest control rate in [Hz] that a note proposes (*ours*: the field takes 10 kHz)."""
 _POSES = 12
 
 
@@ -79,7 +82,8 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
         q: joint angles in [rad]. Shape (6,).
 
     Returns:
-        The margin [-] at the sample period T of ``control_rate``; above 2 the loop diverges.
+        The margin [-] at the sample period T of ``control_rate``; above ``margin_limit`` the loop
+        diverges.
     """
     q = np.ascontiguousarray(q)
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
@@ -90,6 +94,50 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
     M = pin.crba(packed.model, packed.model.createData(), q)
     period = 1.0 / packed.experiment.simulation.control_rate
     return float(np.abs(np.linalg.eigvals(period * damping @ np.linalg.inv(M))).max())
+
+
+def margin_limit(simulation: Simulation) -> float:
+    r"""Return the sampling margin above which linear gains diverge, given the input delay.
+
+    With a delay of n + f control periods the velocity error obeys
+
+    .. math:: v_{k+1} = v_k - \gamma\,[(1 - f)\,v_{k-n} + f\,v_{k-n-1}]
+
+    whose roots leave the unit circle at 2 without a delay, at 1 with one period, and at
+    :math:`2\sin(\pi/(4n+2))` with n of them.
+
+    Args:
+        simulation: control rate, input delay, and the steps of the arm to which it is rounded.
+    """
+    whole, part = simulation.delay
+    late = part / simulation.plant_substeps
+    angle = np.linspace(0.0, np.pi / (2 * whole + 1), 4001)[1:]
+    mean = (1.0 - late) * np.exp(1j * angle) + late
+    phase = (whole + 1.5) * angle - np.angle(mean)
+    first = int(np.argmax(phase >= 0.5 * np.pi - 1e-9))
+    return float(2.0 * np.sin(0.5 * angle[first]) / np.abs(mean[first]))
+
+
+def sufficient_rate(simulation: Simulation, gamma: float) -> float | None:
+    """Return a control rate in [Hz] at which linear gains are stable, or ``None``.
+
+    A delay in seconds takes more periods at a higher rate, so that there may be none.
+
+    Args:
+        simulation: what is used now.
+        gamma: sampling margin at the control rate used now.
+    """
+    rate = simulation.control_rate
+    if gamma * rate * simulation.input_delay >= 0.5 * np.pi:
+        return None
+    while rate <= _FASTEST:
+        # Half a percent above the border, in whole hertz, which is what a screen shows.
+        candidate = float(np.ceil(1.005 * rate))
+        trial = simulation.model_copy(update={"control_rate": candidate})
+        if gamma * simulation.control_rate / candidate < margin_limit(trial):
+            return candidate
+        rate = max(1.05 * rate, gamma * simulation.control_rate / MARGIN_LIMIT)
+    return None
 
 
 def worst_margin(packed: Packed, name: str) -> float:
@@ -117,22 +165,25 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     simulation = packed.experiment.simulation
     if simulation.mode != "sampled":
         return
-    gamma = worst_margin(packed, name)
-    limit = MARGIN_LIMIT if simulation.input_delay == 0.0 else 0.5 * MARGIN_LIMIT
+    gamma, limit = worst_margin(packed, name), margin_limit(simulation)
     if gamma <= limit:
         return
-    rate = simulation.control_rate * gamma / limit
-    # Half a percent above the border, and never past what the field takes.
-    patch = {"simulation": {"control_rate": float(np.ceil(1.005 * rate))}}
-    late = " with a delayed input" if limit < MARGIN_LIMIT else ""
+    rate = sufficient_rate(simulation, gamma)
+    fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
+    late = " with this input delay" if simulation.input_delay else ""
     yield Note(
         "warning",
         "simulation.control_rate",
-        f"γ = {gamma:.3g}, a sampled loop{late} needs less than {limit:g}: expect divergence or a "
-        f"limit cycle. It would take {rate:.3g} Hz, gains {gamma / limit:.3g} times lower, or more "
-        "armature.",
-        patch if rate <= 9900.0 else None,
+        f"γ = {gamma:.3g}, a sampled loop{late} needs less than {limit:.3g}: expect divergence or "
+        f"a limit cycle. It would take {_way_out(rate, gamma / limit, bool(late))}.",
+        {"simulation": {"control_rate": rate}} if fits else None,
     )
+
+
+def _way_out(rate: float | None, excess: float, late: bool) -> str:
+    faster = f"{rate:.3g} Hz, " if rate is not None else ""
+    sooner = ", or a shorter delay" if late else ""
+    return f"{faster}gains {excess:.3g} times lower, more armature{sooner}"
 
 
 def _surface(packed: Packed, name: str) -> Iterator[Note]:
@@ -173,7 +224,7 @@ def _torque(packed: Packed, name: str) -> Iterator[Note]:
             "robot.armature",
             "Torque limits on wrists without armature need a step of 0.1 ms or less: add "
             "armature or shorten the step.",
-            {"simulation": {"step": 0.0001}},
+            {"simulation": {"step": 0.0001}} if simulation.horizon <= 0.0001 * MAX_STEPS else None,
         )
 
 

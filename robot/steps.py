@@ -11,9 +11,10 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 
-from robot.disturbance import SENSOR, SENSOR_Q, SENSOR_V
+from robot.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from robot.laws.law import Law
 from robot.packed import Packed
+from robot.quantity import JOINTS
 from robot.stages import FIRST, PLAIN, SECOND, observe, plant_step
 from robot.workspace import APPLIED, CURRENT, HALF, MEASURED_Q, MEASURED_V, TAU, Q, V
 
@@ -96,7 +97,31 @@ def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, recor
     return step
 
 
-def sampled_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
+def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Array:
+    """Return the torques that wait for the input delay to pass; step ``n`` writes row ``n % size``.
+
+    Args:
+        packed: the experiment as numbers.
+        work: the lane's workspace.
+        before: those of the experiment so far; they stay on their way if the size is the same, or
+            else an edit every few steps would keep every later torque from ever arriving.
+
+    Returns:
+        Torques in [N m], none in continuous mode. Shape (size, 6).
+    """
+    simulation, limit = packed.experiment.simulation, packed.world[LIMIT]
+    if simulation.mode == "continuous":
+        return np.empty((0, JOINTS))
+    size = simulation.delay[0] + 2
+    if before is None or len(before) != size:
+        before = np.tile(work[TAU], (size, 1))
+    bounded: Array = np.clip(before, -limit, limit)
+    return bounded
+
+
+def sampled_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, commands: Array
+) -> Step:
     """Return one control period of sampled mode: measure, hold the torque, step the arm.
 
     A torque reaches the joints ``input_delay`` after its measurement, rounded to steps of the arm.
@@ -104,9 +129,7 @@ def sampled_step(law: Law, packed: Packed, gains: Array, work: Array, record: Ar
     simulation = packed.experiment.simulation
     period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
     h = period / substeps
-    whole, part = divmod(round(simulation.input_delay / h), substeps)
-    commands = np.tile(work[APPLIED], (whole + 2, 1))
-    size = len(commands)
+    (whole, part), size = simulation.delay, len(commands)
     world, trajectory, sample = packed.world, packed.trajectory, law.sample
     refresh, M, nle = _dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
     applied, torque = work[APPLIED], work[TAU]
@@ -141,7 +164,9 @@ def sampled_step(law: Law, packed: Packed, gains: Array, work: Array, record: Ar
     return step
 
 
-def bind_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
+def bind_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, commands: Array
+) -> Step:
     """Return the step that an experiment asks for.
 
     Args:
@@ -150,12 +175,13 @@ def bind_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array
         gains: the lane's gains. Shape (n, 6).
         work: the lane's workspace, which holds its state.
         record: rows to write. Shape (n, 48).
+        commands: what ``torques_on_the_way`` returned; only sampled mode uses it.
 
     Returns:
         ``step(t, number, row)``.
     """
     simulation = packed.experiment.simulation
     if simulation.mode == "sampled":
-        return sampled_step(law, packed, gains, work, record)
+        return sampled_step(law, packed, gains, work, record, commands)
     bind = extrapolated_step if simulation.scheme == "extrapolated" else plain_step
     return bind(law, packed, gains, work, record)

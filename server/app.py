@@ -18,9 +18,12 @@ from server.places import PLOTLY, WEB
 from server.refusals import install_refusals
 from server.routes.docs import docs_router
 from server.routes.experiment import experiment_router
+from server.routes.history import history_router
 from server.routes.live import live_router
 from server.routes.presets import presets_router
+from server.routes.preview import preview_router
 from server.routes.session import session_router
+from server.routes.studies import studies_router
 from server.scene_relay import scene_router
 from server.studio import Studio
 
@@ -78,6 +81,9 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
     app.include_router(session_router(studio))
     app.include_router(experiment_router(studio))
     app.include_router(presets_router(studio))
+    app.include_router(history_router(studio))
+    app.include_router(preview_router(studio))
+    app.include_router(studies_router(studio))
     app.include_router(live_router(studio, hub))
     app.include_router(docs_router())
     app.include_router(scene_router(studio.view.scene.port))

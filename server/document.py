@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from threading import Lock
 from typing import Any
 
+from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
 from robot.packed import Packed, pack
 from server.colors import LaneColors
@@ -92,6 +93,50 @@ class Document:
             self._session.load(packed, change.revision)
             self._tell(change)
             return change
+
+    def fork(
+        self, moment: float, origin: str, name: str, gains: Mapping[str, Any], author: str = ""
+    ) -> Change:
+        """Go back to a recorded moment and go on from there with a variant of a lane beside it.
+
+        Args:
+            moment: simulated time in [s].
+            origin: the lane whose past the new one continues.
+            name: name of the new lane.
+            gains: what it has otherwise than its origin.
+            author: id of the client that asks.
+
+        Raises:
+            InvalidExperimentError: naming every refused field; nothing is changed.
+        """
+        with self._lock:
+            patch = self._variant(origin, name, gains)
+            packed = pack(self.experiment.patched(patch))
+            self._colors.assign(list(packed.gains))
+            change = self._accept(packed, patch, author, None)
+            self._session.fork(packed, change.revision, moment, {name: origin})
+            self._tell(change)
+            return change
+
+    def _variant(self, origin: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the patch that adds a copy of a lane with some other gains."""
+        lanes = self.experiment.lanes
+        if origin not in lanes:
+            text = f"no lane is named {origin}; there are: {', '.join(lanes)}"
+            raise InvalidExperimentError([FieldError("origin", text, origin)])
+        if name in lanes:
+            text = f"there is a lane named {name} already: choose another name"
+            raise InvalidExperimentError([FieldError("name", text, name)])
+        return {"lanes": {name: {**lanes[origin].model_dump(mode="json"), **gains}}}
+
+    def duplicate(self, origin: str, name: str, author: str = "", request: Any = None) -> Change:
+        """Add a lane with the gains and the state of another.
+
+        Raises:
+            InvalidExperimentError: for an unknown lane or a name that is taken.
+        """
+        patch = self._variant(origin, name, {})
+        return self.patch(patch, author, request, {name: origin})
 
     def saved_as(self, preset: str) -> None:
         """Take the experiment in force as the baseline: it was saved under this name."""

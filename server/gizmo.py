@@ -57,12 +57,12 @@ class Gizmo:
         self._hold: _Hold | None = None
         self._handle = viewer.scene.add_transform_controls(
             "/pull",
-            scale=58.0,
+            scale=46.0,
             fixed=True,
             line_width=2.5,
             disable_rotations=True,
             depth_test=False,
-            opacity=0.9,
+            opacity=0.8,
         )
         self._arrow = viewer.scene.add_arrows(
             "/pull_arrow",

@@ -49,11 +49,12 @@ def write_output(name: str, parts: Iterable[str]) -> None:
     Raises:
         OSError: if it can't be written; a file that was there is as before.
     """
-    path = Path(os.path.realpath(name))
     if name == STANDARD:
         sys.stdout.writelines(parts)
         sys.stdout.flush()
-    elif path.exists() and not path.is_file():  # a pipe or a device has nothing to replace
+        return
+    path = Path(os.path.realpath(name))  # a link stays a link: its target is replaced
+    if path.exists() and not path.is_file():  # a pipe or a device has nothing to replace
         with path.open("w", encoding="utf-8", newline="") as file:
             file.writelines(parts)
     else:

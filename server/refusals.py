@@ -20,6 +20,7 @@ from robot.errors import (
     UnknownPresetError,
 )
 from server.errors import error_body
+from server.workers import BusyError, WorkerLostError
 
 log = logging.getLogger("slidetune.http")
 
@@ -37,6 +38,8 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (UnknownPresetError, 404, "unknown_preset"),
     (PresetConflictError, 409, "conflict"),
     (PresetStorageError, 507, "storage"),
+    (WorkerLostError, 503, "worker_lost"),
+    (BusyError, 503, "busy"),
 )
 _LONGEST = 200
 

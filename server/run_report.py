@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Literal
 
 from rich import box
 from rich.console import Console
@@ -39,7 +39,7 @@ _PER_JOINT = (
     ("max_error", "max |e|", "mrad", 1e3),
     ("max_velocity_error", "max |de|", "mrad/s", 1e3),
     ("peak_torque", "peak |τ|", "N·m", 1.0),
-    ("reaching_time", "first |S| ≤ ε", "s", 1.0),
+    ("reaching_time", "reaching time", "s", 1.0),
 )
 _OVERALL = (
     ("chattering", "chattering", "N·m/s", 1.0),
@@ -47,7 +47,7 @@ _OVERALL = (
     ("flange_rms", "flange RMS", "mm", 1e3),
     ("flange_max", "flange max", "mm", 1e3),
 )
-NONE = "–"
+NONE = "—"
 
 
 def report(run: Run, since: float = 0.0) -> Document:
@@ -104,7 +104,8 @@ def _table(*headings: str, first: int) -> Table:
     """Return an empty table whose columns from ``first`` on hold numbers."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for index, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if index >= first else "left", overflow="fold")
+        justify: Literal["left", "right"] = "right" if index >= first else "left"
+        table.add_column(Text(heading), justify=justify, overflow="fold")
     return table
 
 
@@ -145,9 +146,10 @@ def print_report(document: Document, console: Console) -> None:
     console.print(_overall(lanes))
     for name, lane in lanes.items():
         if lane["frozen"]:
-            console.print(Text(f"{name} diverged: ", style="red"), Text(lane["frozen"]["cause"]))
+            head = Text(f"{name} diverged: ", style="red")
+            console.print(head, Text(lane["frozen"]["cause"]), sep="")
     for name, lane in lanes.items():
         for note in lane["notes"]:
             style = "yellow" if note["level"] == "warning" else "cyan"
             head = Text(f"{note['level']}, {name}: ", style=style)
-            console.print(head, Text(f"{note['path']}: {note['message']}"))
+            console.print(head, Text(f"{note['path']}: {note['message']}"), sep="")

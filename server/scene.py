@@ -29,8 +29,8 @@ WIDTH_SELECTED = 5.0
 """Width of the selected lane's trail in [px] (*ours*)."""
 WIDTH_OTHERS = 2.5
 """Width of the other lanes' trails in [px] (*ours*)."""
-LABEL = (0.0, 0.0, 1.16)
-"""Where the scene says that deviations are exaggerated in [m] (*ours*): above the arm."""
+LABEL = (0.5, -0.42, -0.75)
+"""Where the scene says that deviations are exaggerated in [m] (*ours*): on the floor in front."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,12 @@ class Scene:
         self._desired = DesiredPath(self._viewer.scene, "/desired")
         self._gizmo = Gizmo(self._viewer)
         self._label = self._viewer.scene.add_label(
-            "/label", "", position=LABEL, anchor="center-center", visible=False
+            "/label",
+            "",
+            position=LABEL,
+            anchor="center-center",
+            font_screen_scale=1.3,
+            visible=False,
         )
         self._slots: list[_Slot] = []
         self._styles: tuple[LaneStyle, ...] = ()

@@ -24,7 +24,11 @@ Color = tuple[int, int, int]
 INSET = 0.0015
 """How far a ghost's skin lies under the arm's in [m] (*ours*): where both are in one place, the
 ghost stays inside instead of flickering through."""
-GHOST_OPACITY = 0.42
+COARSE = 0.009
+"""Edge of the cells in which a ghost has one vertex in [m] (*ours*): a third of the triangles."""
+CREASE = 0.7
+"""Angle in [rad] from which an edge of a ghost is drawn as one (*ours*)."""
+GHOST_OPACITY = 0.3
 """*Ours*: the floor and the arm stay visible behind it."""
 PAYLOAD_DENSITY = 7850.0
 """Density that a payload is drawn with in [kg/m^3] (*ours*): steel."""
@@ -69,7 +73,7 @@ def joint_orientations(angles: Array) -> Array:
 
 @cache
 def ghost_mesh(link: str) -> tuple[Array, Array]:
-    """Return a link's mesh as one surface, a little under the skin of the link.
+    """Return a link's mesh as one coarse surface, a little under the skin of the link.
 
     Args:
         link: a name of ``LINK_NAMES``.
@@ -79,15 +83,22 @@ def ghost_mesh(link: str) -> tuple[Array, Array]:
     """
     loaded = trimesh.load_scene(MESH_DIR / f"{link}.glb", process=False)
     parts = [part for part in loaded.geometry.values() if isinstance(part, trimesh.Trimesh)]
-    surface = trimesh.util.concatenate(parts)
-    normals = np.vstack([part.vertex_normals for part in parts])
-    # Vertices in one place move together, or edges would gape.
-    places, shared = np.unique(surface.vertices.round(6), axis=0, return_inverse=True)
-    inward = np.zeros_like(places)
-    np.add.at(inward, shared.reshape(-1), -normals)
-    inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-9)
-    moved = surface.vertices + INSET * inward[shared.reshape(-1)]
-    return moved.astype(np.float32), surface.faces.astype(np.uint32)
+    fine = trimesh.util.concatenate(parts)
+    cells, cell = np.unique(np.floor(fine.vertices / COARSE), axis=0, return_inverse=True)
+    cell = cell.reshape(-1)
+    places, normals = np.zeros_like(cells), np.zeros_like(cells)
+    np.add.at(places, cell, fine.vertices)
+    np.add.at(normals, cell, np.vstack([part.vertex_normals for part in parts]))
+    places /= np.bincount(cell)[:, None]
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+    faces = cell[fine.faces]
+    first, second, third = faces.T
+    faces = faces[(first != second) & (second != third) & (third != first)]
+    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    coarse = trimesh.Trimesh(places - INSET * normals, faces[kept], process=False)
+    # Faces that meet at an edge get vertices of their own: the browser smooths what is shared.
+    crisp = trimesh.graph.smooth_shade(coarse, angle=CREASE)
+    return crisp.vertices.astype(np.float32), crisp.faces.astype(np.uint32)
 
 
 class _Arm:
@@ -122,7 +133,7 @@ class SolidArm(_Arm):
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
         """Add the arm's nodes below ``name``."""
         def add(path: str, link: str, position: Array) -> viser.GlbHandle:
-            return scene.add_glb(path, _glb(link), position=position)
+            return scene.add_glb(path, _glb(link), position=position, receive_shadow=False)
 
         root = add(name, LINK_NAMES[0], np.zeros(3))
         chain = _chain(name)
@@ -172,6 +183,7 @@ class GhostArm(_Arm):
                 vertices,
                 faces,
                 opacity=GHOST_OPACITY,
+                material="toon5",
                 cast_shadow=False,
                 receive_shadow=False,
                 position=position,

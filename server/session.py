@@ -19,6 +19,7 @@ from robot.packed import Packed
 from robot.workspace import Q
 from server.pacing import TICK, Pacer
 from server.push import Push
+from server.recorder import Recorder
 from server.running_metrics import RunningMetrics
 from server.telemetry import Channel, Telemetry, rows_of
 
@@ -59,6 +60,7 @@ class Session:
         loop: the closed loop; touched by the session's thread alone.
         telemetry: the rows for all clients; another object after a change of lanes.
         metrics: figures by lane.
+        recorder: what the last minute looked like.
         revision: revision of the experiment in force.
         epoch: counts resets and loaded experiments.
         playing: whether time goes on.
@@ -83,6 +85,7 @@ class Session:
         self.revision = 1
         self.on_change: Callable[[], None] = lambda: None
         self.on_swap: Callable[[], None] = lambda: None
+        self.recorder = Recorder()
         self._push = Push()
         self._requests: deque[Request] = deque()
         self._pending: Request | None = None
@@ -158,6 +161,26 @@ class Session:
         """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s]."""
         self.ask(lambda: self._push.kick(np.array(torque), self.loop.time + duration))
 
+    def fork(
+        self, packed: Packed, revision: int, moment: float, origins: dict[str, str]
+    ) -> None:
+        """Go back to a recorded moment and continue from there with other lanes.
+
+        Args:
+            packed: the experiment from there on.
+            revision: its revision.
+            moment: simulated time in [s]; the last recorded one before it counts.
+            origins: names of new lanes and of the lanes that they continue.
+        """
+
+        def branch() -> None:
+            self.recorder.restore(self.loop, moment)
+            self._pending = None
+            self._swap(packed, revision, origins)
+            self._set_playing(True)
+
+        self.ask(branch)
+
     def set_speed(self, speed: float) -> None:
         """Let ``speed`` simulated seconds pass in one of the wall's."""
 
@@ -220,6 +243,7 @@ class Session:
         self._push.apply(loop, self.view.force() if self.view is not None else None)
         frozen = sum(lane.freeze is not None for lane in loop.lanes.values())
         for _ in range(min(count, BUFFER)):
+            self.recorder.look(loop)
             loop.step()
         rows = rows_of(loop, first, loop.number)
         self.telemetry.write(rows, time, loop.period, self.revision)
@@ -271,6 +295,7 @@ class Session:
 
     def _restarted(self) -> None:
         self.epoch += 1
+        self.recorder.clear()
         self._push.clear()
         self.pacer.restart()
         if self.view is not None:

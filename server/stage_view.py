@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from time import perf_counter
 
 import numpy as np
@@ -42,6 +43,8 @@ class StageView:
         self._drawn = 0.0
         self._shown: tuple[object, ...] = ()
         self._broken = False
+        self._responses: dict[str, Array] | None = None
+        self._past: Mapping[str, Array] | None = None
 
     def force(self) -> Array | None:
         """Return the force by which somebody pulls at the flange in [N], or ``None``."""
@@ -59,6 +62,14 @@ class StageView:
         """Keep new rows for the trails."""
         self._blocks.append(rows)
         self._period = period
+
+    def show_responses(self, paths: Mapping[str, Array]) -> None:
+        """Draw the flange's path of whole responses beside the live one, by lane."""
+        self._responses = dict(paths)
+
+    def show_past(self, angles: Mapping[str, Array] | None) -> None:
+        """Show the lanes at past angles in [rad]; ``None``: at the present ones."""
+        self._past = angles
 
     def restart(self) -> None:
         """Clear the trails."""
@@ -92,11 +103,15 @@ class StageView:
         def path(lane: str) -> Array:
             return np.empty((0, 3)) if points is None else points[:, self._columns[lane]]
 
+        if self._responses is not None:
+            responses, self._responses = self._responses, None
+            self.scene.show_responses(responses)
+        past: Mapping[str, Array] = self._past or {}
         first = next(iter(lanes.values()))
         self.scene.update(
             SceneFrame(
                 q_d=first.work[QD].copy(),
-                q={name: lane.work[Q].copy() for name, lane in lanes.items()},
+                q={name: past.get(name, lane.work[Q]).copy() for name, lane in lanes.items()},
                 frozen=frozenset(n for n, lane in lanes.items() if lane.freeze is not None),
                 desired_path=path(""),
                 paths={name: path(name) for name in lanes},

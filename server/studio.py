@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from time import monotonic
 from typing import Any
@@ -13,10 +14,13 @@ from robot.packed import Packed, pack
 from robot.stability import notes, worst_margin
 from server.colors import LaneColors
 from server.document import Document
+from server.edit_history import EditHistory
+from server.preview import Previews
 from server.scene import Scene
 from server.session import Session
 from server.stage_view import StageView
 from server.telemetry import Telemetry
+from server.workers import Workers
 
 
 def law_infos() -> list[dict[str, Any]]:
@@ -32,6 +36,9 @@ class Studio:
         document: the live document.
         session: the stepping thread.
         view: the 3D view.
+        history: who changed what.
+        workers: processes for whole runs.
+        previews: whole responses for the screen.
         started: monotonic time of the start in [s].
     """
 
@@ -43,17 +50,36 @@ class Studio:
         self.view = StageView(Scene(), self.colors)
         self.session = Session(packed, self.view)
         self.document = Document(packed, preset, self.session, self.colors)
+        self.history = EditHistory(experiment)
+        self.document.listeners.append(self.history.note)
+        self.workers = Workers()
+        self.previews = Previews(self.workers)
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
 
     def start(self) -> None:
-        """Let time go on."""
+        """Let time go on, and start the workers."""
         self.session.start()
+        self.workers.start()
 
     def stop(self) -> None:
-        """End the session and the scene."""
+        """End the session, the workers and the scene."""
         self.session.stop()
+        self.workers.stop()
         self.view.scene.close()
+
+    def experiment_of(
+        self, document: Mapping[str, Any] | None, patch: Mapping[str, Any]
+    ) -> Experiment:
+        """Return the live experiment, or the one that ``document`` describes, with a patch.
+
+        Raises:
+            InvalidExperimentError: naming every refused field.
+        """
+        base = self.document.experiment
+        if document is not None:
+            base = Experiment.from_document(document)
+        return base.patched(patch) if patch else base
 
     def health(self) -> dict[str, Any]:
         """Return version, uptime and state."""

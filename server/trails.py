@@ -14,8 +14,8 @@ Array = np.ndarray
 
 SPAN = 6.0
 """How far back a trail reaches in simulated [s] (*ours*): nearly a period of the paper's sine."""
-POINTS = 150
-"""Points of a trail (*ours*): 40 ms apart, 2 cm at the pace of the paper's sine."""
+POINTS = 240
+"""Points of a trail (*ours*): 25 ms apart."""
 
 
 @dataclass(frozen=True)
@@ -132,8 +132,8 @@ class TrailLine:
             faded: sRGB of its old end.
             width: in [px].
         """
-        age = np.linspace(0.0, 1.0, POINTS + 1)[:, None]
-        shades = np.asarray(faded) + age**0.7 * (np.asarray(color) - np.asarray(faded))
+        young = np.minimum(1.0, np.linspace(0.0, 2.0, POINTS + 1))[:, None]
+        shades = np.asarray(faded) + young * (np.asarray(color) - np.asarray(faded))
         self._line.colors = _segments(_linear(shades)).round().astype(np.uint8)
         self._line.thickness = width
 

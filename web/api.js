@@ -5,7 +5,9 @@
  * Views read the state fields and listen to the events:
  * `hello`, `patch`, `state`, `metrics`, `notice`, `error`: the server's message as `detail`
  * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
- * `connection`: {@link Connection}; `select`: the lane's name; `joint`: 1 to 6, toggled by key.
+ * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
+ * `saved`: the preset's name, its experiment being the baseline now; `joint`: 1 to 6, toggled
+ * by key.
  */
 
 import {joined} from './merge_patch.js';
@@ -39,6 +41,8 @@ export {ApiError};
 
 const HEADER_BYTES = 32;
 const SETTLE_MS = 3000;
+/** For so long after a change here, what the server says of the view may be older. */
+const VIEW_MS = 1000;
 
 /**
  * @param {ArrayBuffer} buffer
@@ -79,6 +83,7 @@ export class Api extends EventTarget {
   /** @type {Map<number, {patch: Document, done: (error?: ApiError) => void}>} */
   #sent = new Map();
   /** @type {(() => void)[]} */ #settling = [];
+  #viewed = 0;
   #connection = new Connection('/api/live', {
     message: (/** @type {Document} */ message) => this.#receive(message),
     bytes: (/** @type {ArrayBuffer} */ bytes) => this.#emit('frame', decoded(bytes)),
@@ -180,6 +185,7 @@ export class Api extends EventTarget {
   /** @param {{exaggeration?: number, ghosts?: boolean}} change of how the scene is drawn */
   view(change) {
     this.drawn = {...this.drawn, ...change};
+    this.#viewed = performance.now();
     this.#send({type: 'view', ...this.drawn});
   }
 
@@ -202,7 +208,10 @@ export class Api extends EventTarget {
    */
   async savePreset(name, {overwrite = false} = {}) {
     await this.settled();
-    return request('PUT', `${presetAddress(name)}?overwrite=${overwrite}`);
+    const saved = await request('PUT', `${presetAddress(name)}?overwrite=${overwrite}`);
+    Object.assign(this, {preset: name, baseline: this.experiment});
+    this.#emit('saved', name);
+    return saved;
   }
 
   /** @param {string} name */
@@ -239,7 +248,10 @@ export class Api extends EventTarget {
         this.#emit('patch', message);
         if (message.author === this.client && message.id !== null) this.#answered(message.id);
         return;
-      case 'state': this.session = /** @type {State} */ (message); break;
+      case 'state':
+        this.session = /** @type {State} */ (message);
+        if (performance.now() - this.#viewed > VIEW_MS) this.drawn = {...this.drawn, ...message.view};
+        break;
       case 'metrics': this.metrics = message; break;
       case 'error': this.#refused(message); return;
       default:

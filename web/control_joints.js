@@ -44,8 +44,8 @@ export class JointsControl extends Control {
     list.append(this.#merge);
     const {button, open} = disclosure(`${this.name}: each ${this.#part}`, list);
     this.#open = open;
-    this.beside.append(this.#switch, button);
-    this.place.append(this.#all.slider, this.#all.box, this.#values, this.#unit);
+    this.beside.append(this.#switch, this.#unit);
+    this.place.append(this.#all.slider, this.#all.box, this.#values, button);
     this.element.append(list);
   }
 

@@ -26,8 +26,8 @@ export class NumberControl extends Control {
       reset: () => this.reset(),
       refuse: (text) => this.refuse(text),
     });
-    const unit = element('span', {class: 'unit'}, field.unit);
-    this.place.append(this.#pair.slider, this.#pair.box, unit);
+    this.beside.append(element('span', {class: 'unit'}, field.unit));
+    this.place.append(this.#pair.slider, this.#pair.box);
   }
 
   get held() { return this.#pair.held; }

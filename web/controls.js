@@ -69,7 +69,7 @@ class Tuning {
       .map((section) => new SectionGroup(this.#schema, section, context));
     rest.append(...this.#sections.map((section) => section.element));
     this.#refresh();
-    this.#api.addEventListener('select', () => this.#refresh());
+    for (const type of ['select', 'saved']) this.#api.addEventListener(type, () => this.#refresh());
     this.#api.addEventListener('hello', () => {
       for (const control of this.#controls) control.refuse('');
       this.#refresh();
@@ -185,9 +185,16 @@ function mountAbout(api) {
   rememberOpen(box, 'about', true);
   const show = () => {
     title.textContent = api.experiment.title || api.preset || 'Untitled experiment';
-    text.textContent = api.experiment.description || 'No description.';
+    text.textContent = asParagraphs(api.experiment.description) || 'No description.';
   };
   api.addEventListener('hello', show);
   api.addEventListener('patch', show);
   return box;
 }
+
+/**
+ * Lines broken for a file's width flow together again; empty lines stay.
+ *
+ * @param {string} text
+ */
+function asParagraphs(text) { return text.trim().replace(/(?<!\n)\n(?![\n*-])/g, ' '); }

@@ -17,7 +17,7 @@
  *   Drawing
  */
 
-export const MARGIN = {l: 62, r: 10, t: 8, b: 36};
+export const MARGIN = {l: 78, r: 10, t: 8, b: 36};
 const LEGEND_HEIGHT = 64;
 /** Pixels between two panels. */
 const GAP = 12;
@@ -44,7 +44,7 @@ export function themeOf(element) {
     grid: color('--border', '#e2e5ea'),
     zero: color('--border-strong', '#c9ced6'),
     background: color('--surface', '#ffffff'),
-    desired: color('--text-muted', '#59626e'),
+    desired: color('--text', '#191d23'),
     font: style.fontFamily,
   };
 }
@@ -72,6 +72,18 @@ function wrapped(text) {
   return lines.map(plain).join('<br>');
 }
 
+/**
+ * A name for a trace that survives others' coming and going; the library makes selectors of it.
+ *
+ * @param {string} kind
+ * @param {Drawing} drawing
+ * @param {number} index of the panel
+ * @param {string} [lane]
+ */
+function traceId(kind, {colors}, index, lane = '') {
+  return `${kind}-${index}-${[...colors.keys()].indexOf(lane)}`;
+}
+
 /** @param {number} index of the panel, from 0 */
 function axisNumber(index) { return index ? String(index + 1) : ''; }
 
@@ -97,18 +109,18 @@ export function figure(drawing) {
 function line(drawing, {panel}, {trace, x, y}, index) {
   const desired = trace.role === 'desired';
   const color = desired ? drawing.theme.desired : drawing.colors.get(trace.lane);
-  const width = desired ? 1.2 : trace.lane === drawing.selected ? 2 : 1.3;
+  const width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3;
   return {
     type: 'scatter',
     mode: 'lines',
-    uid: `${panel.id}/${trace.role}/${trace.lane}`,
+    uid: traceId(trace.role, drawing, index, trace.lane),
     name: desired ? 'desired' : plain(trace.lane),
     x,
     y,
     xaxis: 'x',
     yaxis: `y${axisNumber(index)}`,
     // The points are few already; leaving more out would cost peaks.
-    line: {color, width, dash: desired ? '5px,4px' : 'solid', simplify: false},
+    line: {color, width, dash: desired ? '6px,4px' : 'solid', simplify: false},
     hovertemplate: `%{y:.4~g} ${panel.unit}`,
     showlegend: Boolean(drawing.legend) && index === 0,
   };
@@ -125,7 +137,7 @@ function cross(drawing, curve, index) {
   return [{
     type: 'scatter',
     mode: 'markers',
-    uid: `cross/${index}/${lane}`,
+    uid: traceId('cross', drawing, index, lane),
     name: plain(lane),
     x: [curve.cross.x],
     y: [curve.cross.y],
@@ -148,7 +160,7 @@ function cross(drawing, curve, index) {
  * @param {DrawnPanel} drawn
  * @param {number} index
  */
-function marksTrace(drawing, {panel, range}, index) {
+function marksTrace(drawing, {range}, index) {
   const {marks, theme, zoomed, window} = drawing;
   const seen = marks.filter(({time}) => time >= window[0] && time <= window[1]);
   if (!seen.length) return [];
@@ -156,7 +168,7 @@ function marksTrace(drawing, {panel, range}, index) {
   return [{
     type: 'scatter',
     mode: index ? 'lines' : 'lines+markers',
-    uid: `marks/${panel.id}`,
+    uid: traceId('marks', drawing, index),
     name: 'changed',
     x: seen.flatMap(({time}) => [time, time, null]),
     y: seen.flatMap(() => [high, low, null]),
@@ -190,7 +202,7 @@ function layout(drawing) {
     paper_bgcolor: legend ? theme.background : 'transparent',
     plot_bgcolor: 'transparent',
     showlegend: Boolean(legend),
-    legend: {orientation: 'h', x: 0, y: 1, yanchor: 'bottom'},
+    legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', bgcolor: 'transparent'},
     hovermode: 'x unified',
     hoverlabel: {
       bgcolor: theme.background, bordercolor: theme.zero, namelength: 28,
@@ -237,8 +249,8 @@ function vertical({panels, height, spectrum, zoomed, theme, touch}, {panel, rang
     type: spectrum ? 'log' : 'linear',
     range: zoomed.get(`yaxis${axisNumber(index)}`) ?? range,
     domain: [bottom / room, Math.min(1, (bottom + each) / room)],
-    title: {text: `${panel.title}<br>${panel.quantity} [${panel.unit}]`, standoff: 2},
-    nticks: Math.max(3, Math.floor(each / 28)),
+    title: {text: `${panel.title}<br>${panel.quantity} [${panel.unit}]`, standoff: 4},
+    nticks: Math.min(9, Math.max(3, Math.floor(each / 20))),
     ...axis(theme),
     exponentformat: 'power',
     zeroline: !spectrum,

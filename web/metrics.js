@@ -150,13 +150,14 @@ class Metrics {
       lanes.set(name, {figures, values, frozen});
     }
     COLUMNS.forEach((column, index) => {
-      // What a lane reached before it stopped can't be compared with those that went on.
-      const least = best([...lanes.values()].map(({values, frozen}) => (
+      // A margin is no merit; and what a lane reached before it stopped can't be compared with
+      // those that went on.
+      const least = column.limit !== undefined ? null : best([...lanes.values()].map(({values, frozen}) => (
         frozen ? null : values[index]
       )));
       for (const [name, {figures, values, frozen}] of lanes) {
         const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
-        const isBest = !frozen && least !== null && values[index] === least;
+        const isBest = !frozen && least !== null && threeDigits(values[index]) === least;
         fillCell(cell, column, values[index], figures, isBest);
       }
     });
@@ -177,6 +178,7 @@ function fillCell(cell, {joint, limit}, value, figures, isBest) {
   cell.classList.toggle('is-best', isBest);
   cell.classList.toggle('is-over', exceeds);
   const words = [
+    limit !== undefined && value === null ? 'only a sampled loop has a margin' : '',
     joint && figures ? `joint ${joint(figures)}` : '',
     exceeds ? `above ${limit}: the sampled loop diverges` : '',
     isBest ? 'best of all lanes' : '',

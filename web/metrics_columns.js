@@ -18,7 +18,7 @@ import {written} from './quantity.js';
 const MILLI = 1000;
 const DIGITS = 3;
 const LEAST_PLAIN = 1e-3;
-const GREATEST_PLAIN = 1e5;
+const GREATEST_PLAIN = 1e6;
 const FIRST_JOINTS = 3;
 
 /** @param {number[]} values */
@@ -96,12 +96,13 @@ export function threeDigits(value) {
 }
 
 /**
- * The least of a column, where there is something to compare.
+ * The least of a column as it is written, where there is something to compare.
  *
  * @param {(number|null)[]} values
- * @returns {number|null}
+ * @returns {string|null}
  */
 export function best(values) {
   const known = values.filter((value) => value !== null);
-  return known.length > 1 && new Set(known).size > 1 ? Math.min(...known) : null;
+  const different = new Set(known.map(threeDigits)).size > 1;
+  return different ? threeDigits(Math.min(...known)) : null;
 }

@@ -38,7 +38,7 @@ export function timePanels({ring, panels, window, pixels, ranges, freezes}) {
       const cross = freeze ? crossAt(freeze, values, window, ring) : null;
       return {trace, x, y: decimated(values, from, size), cross};
     });
-    const range = ranges.linear(panel.id, dataRange(curves, freezes));
+    const range = ranges.linear(panel.id, dataRange(curves, freezes), panel);
     for (const {cross} of curves) if (cross) cross.y = within(cross.y, range);
     return {panel, curves, range};
   });

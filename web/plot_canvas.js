@@ -20,7 +20,9 @@ import {YRanges} from './y_range.js';
  */
 
 /** Lower than this a panel can't be read; the stage scrolls instead. */
-const LEAST_PANEL = 92;
+const LEAST_PANEL = 78;
+const DOUBLE_MS = 400;
+const DOUBLE_PIXELS = 10;
 const CONFIG = {displayModeBar: false, doubleClick: false, scrollZoom: false, responsive: false};
 
 /** Draws sheets into a stage. */
@@ -36,6 +38,8 @@ export class Canvas {
   #size = {width: 0, height: 0};
   /** A drag would break off if its plot were redrawn. */
   #pressed = false;
+  #presses = 0;
+  #press = {time: -Infinity, x: 0, y: 0};
   #listening = false;
   #on;
 
@@ -78,15 +82,35 @@ export class Canvas {
   }
 
   #watchPointer() {
-    this.#graph.addEventListener('pointerdown', () => { this.#pressed = true; }, true);
+    this.#graph.addEventListener('pointerdown', (event) => {
+      this.#pressed = true;
+      this.#countPress(event);
+    }, true);
     const released = () => {
       if (!this.#pressed) return;
       // The library reports the zoom within this same turn.
-      setTimeout(() => { this.#pressed = false; this.request(); });
+      setTimeout(() => {
+        this.#pressed = false;
+        if (this.#presses >= 2) this.#on.live();
+        this.request();
+      });
     };
     addEventListener('pointerup', released);
     addEventListener('pointercancel', released);
     addEventListener('blur', released);
+  }
+
+  /**
+   * The library covers the page while a button is down, so that no double click arrives.
+   *
+   * @param {PointerEvent} event
+   */
+  #countPress({timeStamp, clientX, clientY}) {
+    const last = this.#press;
+    const again = timeStamp - last.time < DOUBLE_MS
+      && Math.hypot(clientX - last.x, clientY - last.y) < DOUBLE_PIXELS;
+    this.#presses = again ? this.#presses + 1 : 1;
+    this.#press = {time: timeStamp, x: clientX, y: clientY};
   }
 
   /** Whether anybody can see it. */
@@ -101,11 +125,26 @@ export class Canvas {
     this.#graph.hidden = !sheet.panels.length;
     if (!sheet.panels.length || !library()) return;
     const {data, layout} = this.#figure(sheet, false);
-    library().react(this.#graph, data, layout, CONFIG);
+    this.#react(data, layout);
     // Counts the layout into the cost of this redraw, where it belongs.
     this.#graph.getBoundingClientRect();
     this.#describe(sheet);
     this.#listen();
+  }
+
+  /**
+   * @param {object[]} data
+   * @param {object} layout
+   */
+  #react(data, layout) {
+    try {
+      library().react(this.#graph, data, layout, CONFIG);
+    } catch (error) {
+      // Half a plot would make every later redraw fail as well.
+      library().purge(this.#graph);
+      this.#listening = false;
+      throw error;
+    }
   }
 
   /**
@@ -140,7 +179,6 @@ export class Canvas {
     this.#listening = true;
     const graph = /** @type {any} */ (this.#graph);
     graph.on('plotly_relayout', (/** @type {object} */ report) => this.#on.zoom(report));
-    graph.on('plotly_doubleclick', () => this.#on.live());
   }
 
   /** @param {string} text */

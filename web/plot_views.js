@@ -6,7 +6,8 @@
 /** @typedef {import('./trace_values.js').Rule} Rule */
 /**
  * One of the stacked plots.
- * @typedef {{id: string, title: string, quantity: string, unit: string, traces: Trace[]}} Panel
+ * @typedef {{id: string, title: string, quantity: string, unit: string, traces: Trace[],
+ *   positive?: boolean}} Panel
  */
 /**
  * @typedef {{ring: Ring, lanes: string[], joints: number[],
@@ -114,6 +115,7 @@ function flangeError(source) {
     title: 'flange',
     quantity: 'error',
     unit: 'mm',
+    positive: true,
     traces: source.lanes.flatMap((lane) => traces(
       source, lane, `flange error ${lane}`,
       [...AXES.map((axis) => /** @type {[string, string, string]} */ ([lane, 'flange', axis])),
@@ -134,7 +136,7 @@ function network(source) {
   if (!source.lanes.some(shown)) return [];
   const outputs = perJoint('f', 'f', 'N·m', shown)(source);
   const weights = perJoint('weights', '‖W‖', 'N·m', shown)(source);
-  return outputs.flatMap((output, index) => [output, weights[index]]);
+  return outputs.flatMap((output, index) => [output, {...weights[index], positive: true}]);
 }
 
 /** @type {View[]} */

@@ -33,8 +33,7 @@ export class Presets {
       class: 'button preset-button', type: 'button', 'aria-haspopup': 'dialog',
       'aria-expanded': 'false', on: {click: () => this.open()},
     }, this.#name, element('span', {class: 'preset-changed'}), icon('down'));
-    api.addEventListener('hello', () => this.#show());
-    api.addEventListener('patch', () => this.#show());
+    for (const type of ['hello', 'patch', 'saved']) api.addEventListener(type, () => this.#show());
   }
 
   #show() {

@@ -38,7 +38,10 @@ function isBranch(value) {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
-/** @param {any} value */
+/**
+ * @param {any} value
+ * @returns {string}
+ */
 function inWords(value) {
   if (typeof value === 'number') return written(value);
   if (Array.isArray(value)) return `[${value.map(inWords).join(', ')}]`;

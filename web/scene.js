@@ -3,8 +3,10 @@
 
 import {element, freshId} from './element.js';
 
-const ADDRESS = '/scene/';
+const ADDRESS = {light: '/scene/', dark: '/scene/?darkMode'};
 const MOST = 50;
+/** Narrower than this Viser covers half of the scene with its panel. */
+const LEAST_WIDTH = 600;
 
 /**
  * @param {HTMLElement} place
@@ -23,12 +25,26 @@ export function mount(place, api, pressed) {
     });
   });
   // Only once it can be seen: on a telephone the scene is behind a tab.
-  new ResizeObserver((_, observer) => {
-    if (!place.clientWidth) return;
-    observer.disconnect();
-    frame.src = ADDRESS;
-  }).observe(place);
+  const load = () => {
+    const address = ADDRESS[document.documentElement.dataset.theme === 'dark' ? 'dark' : 'light'];
+    if (place.clientWidth && frame.getAttribute('src') !== address) frame.src = address;
+  };
+  new ResizeObserver(() => { load(); fit(frame, place); }).observe(place);
+  new MutationObserver(load).observe(document.documentElement, {attributeFilter: ['data-theme']});
   place.append(frame, veil, bar(api));
+}
+
+/**
+ * Give the scene the width that it needs, and shrink the picture to the width that there is.
+ *
+ * @param {HTMLElement} frame
+ * @param {HTMLElement} place
+ */
+function fit(frame, place) {
+  const scale = Math.min(1, place.clientWidth / LEAST_WIDTH) || 1;
+  Object.assign(frame.style, {
+    width: `${100 / scale}%`, height: `${100 / scale}%`, transform: `scale(${scale})`,
+  });
 }
 
 /** @param {import('./api.js').Api} api */
@@ -60,6 +76,7 @@ function bar(api) {
     ghosts.checked = on;
   };
   api.addEventListener('hello', show);
+  api.addEventListener('state', show);
   const label = element('label', {for: id, class: 'visually-hidden'}, 'Exaggeration of deviations');
   const lanes = element('label', {class: 'scene-ghosts'}, ghosts, 'ghosts');
   return element('div', {class: 'scene-bar'}, label, slider, value, lanes);

@@ -6,6 +6,8 @@ import {icon} from './icons.js';
 
 /** Without a word from the server for this long, say so. */
 const SILENCE_MS = 3000;
+/** A little less than asked is rounding. */
+const BEHIND = 0.98;
 
 /**
  * @param {HTMLElement} place
@@ -31,9 +33,8 @@ export function mountStatus(place, api) {
     const running = connected && session.playing;
     factor.textContent = running ? `${session.real_time_factor.toFixed(2)}×` : '';
     time.replaceChildren(element('i', {class: 'symbol'}, 't'), ` ${session.time.toFixed(2)} s`);
-    const slow = running && session.capped
-      ? `slower than asked: ${session.real_time_factor.toFixed(2)}× of ${session.speed}×` : '';
-    if (capped.textContent !== slow) capped.textContent = slow;
+    const behind = running && session.capped && session.real_time_factor < BEHIND * session.speed;
+    warn(capped, behind ? `${session.real_time_factor.toFixed(2)}×` : '', session.speed);
   };
   const showRevision = () => {
     revision.dataset.revision = String(api.revision);
@@ -50,6 +51,21 @@ export function mountStatus(place, api) {
   api.addEventListener('connection', show);
   setInterval(show, SILENCE_MS / 2);
   show();
+}
+
+/**
+ * @param {HTMLElement} badge
+ * @param {string} factor reached, or '' where there is nothing to warn of
+ * @param {number} asked
+ */
+function warn(badge, factor, asked) {
+  if (badge.dataset.factor === factor) return;
+  badge.dataset.factor = factor;
+  badge.title = factor ? `slower than asked: ${factor} of ${asked}×` : '';
+  const words = (/** @type {string} */ text) => element('span', {class: 'wide-only'}, text);
+  const text = [element('span', {class: 'narrow-only'}, 'slow '), words('slower than asked: '),
+    factor, words(` of ${asked}×`)];
+  badge.replaceChildren(...(factor ? text : []));
 }
 
 /**

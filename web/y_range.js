@@ -6,7 +6,7 @@ const PADDING = 0.06;
 const LEAST_FILL = 0.45;
 /** How far a frozen lane's last values may stretch the range, as a multiple of the others'. */
 const FROZEN_STRETCH = 1;
-const DECADES = 7;
+const DECADES = 5;
 
 /** @typedef {[number, number]} Range */
 
@@ -68,14 +68,17 @@ export class YRanges {
   /**
    * @param {string} panel
    * @param {Range} data
+   * @param {{positive?: boolean}} [of] a quantity that can't be negative begins at 0
    * @returns {Range}
    */
-  linear(panel, data) {
+  linear(panel, [lowest, highest], {positive = false} = {}) {
+    const data = /** @type {Range} */ ([positive ? Math.min(0, lowest) : lowest, highest]);
     if (data[0] > data[1]) return this.#ranges.get(panel) ?? [-1, 1];
     const kept = this.#ranges.get(panel);
     if (kept && kept[0] <= data[0] && kept[1] >= data[1]
       && data[1] - data[0] >= LEAST_FILL * (kept[1] - kept[0])) return kept;
     const range = padded(data);
+    if (positive) range[0] = data[0];
     this.#ranges.set(panel, range);
     return range;
   }

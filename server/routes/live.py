@@ -69,7 +69,7 @@ class Conversation:
         session = self._studio.session
         match message:
             case PatchMessage():
-                await self._patch(message.patch, message.id)
+                await self._patch(message)
             case PlainCommand():
                 getattr(session, message.type)()
             case StepMessage():
@@ -86,24 +86,21 @@ class Conversation:
             case LaneMessage():
                 await self._duplicate(message)
 
-    async def _patch(
-        self, patch: dict[str, Any], request: Any, origins: dict[str, str] | None = None
-    ) -> None:
-        document = self._studio.document
-        await asyncio.to_thread(document.patch, patch, self._client.name, request, origins)
+    async def _patch(self, message: PatchMessage) -> None:
+        document, author = self._studio.document, self._client.name
+        await asyncio.to_thread(document.patch, message.patch, author, message.id)
 
     async def _duplicate(self, message: LaneMessage) -> None:
-        lanes = self._studio.document.experiment.lanes
-        self._known(message.origin, "origin")
-        if message.name in lanes:
-            text = f"there is a lane named {message.name} already: choose another name"
-            raise InvalidExperimentError([FieldError("name", text, message.name)])
-        gains = lanes[message.origin].model_dump(mode="json")
-        patch = {"lanes": {message.name: gains}}
-        await self._patch(patch, message.id, {message.name: message.origin})
+        document, author = self._studio.document, self._client.name
+        await asyncio.to_thread(
+            document.duplicate, message.origin, message.name, author, message.id
+        )
 
     def _select(self, lane: str) -> None:
-        self._known(lane, "lane")
+        lanes = self._studio.document.experiment.lanes
+        if lane not in lanes:
+            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
+            raise InvalidExperimentError([FieldError("lane", text, lane)])
         self._studio.view.selected = lane
         self._studio.session.ask(self._studio.session.on_change)
 
@@ -114,12 +111,6 @@ class Conversation:
         if message.ghosts is not None:
             view.ghosts = message.ghosts
         self._studio.session.ask(self._studio.session.on_change)
-
-    def _known(self, lane: str, path: str) -> None:
-        lanes = list(self._studio.document.experiment.lanes)
-        if lane not in lanes:
-            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
-            raise InvalidExperimentError([FieldError(path, text, lane)])
 
 
 async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -> None:

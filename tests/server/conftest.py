@@ -35,27 +35,42 @@ class Served:
     http: httpx.Client
 
 
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Start one server for all tests, with an empty folder of own presets."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SLIDETUNE_PRESETS", str(tmp_path_factory.mktemp("presets")))
+        studio = Studio(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
+        bound = free_socket("127.0.0.1", 0)
+        port = bound.getsockname()[1]
+        app = create_app(studio, policy_for("127.0.0.1", port))
+        config = uvicorn.Config(
+            app, log_level="warning", ws_max_size=MAX_MESSAGE, timeout_graceful_shutdown=2
+        )
+        server = uvicorn.Server(config)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
+        thread.start()
+        end = time.monotonic() + 60.0
+        while not server.started:
+            assert time.monotonic() < end, "the server did not start"
+            time.sleep(0.01)
+        url = f"http://127.0.0.1:{port}"
+        with httpx.Client(base_url=url, timeout=60.0) as http:
+            yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http)
+        server.should_exit = True
+        thread.join(30.0)
+        assert not thread.is_alive()
+
+
 @pytest.fixture
-def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
-    """Serve the paper's three lanes, with an empty folder of own presets."""
-    monkeypatch.setenv("SLIDETUNE_PRESETS", str(tmp_path / "presets"))
-    studio = Studio(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
-    bound = free_socket("127.0.0.1", 0)
-    port = bound.getsockname()[1]
-    app = create_app(studio, policy_for("127.0.0.1", port))
-    config = uvicorn.Config(
-        app, log_level="warning", ws_max_size=MAX_MESSAGE, timeout_graceful_shutdown=2
-    )
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
-    thread.start()
-    end = time.monotonic() + 30.0
-    while not server.started:
-        assert time.monotonic() < end, "the server did not start"
-        time.sleep(0.01)
-    url = f"http://127.0.0.1:{port}"
-    with httpx.Client(base_url=url, timeout=20.0) as http:
-        yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http)
-    server.should_exit = True
-    thread.join(20.0)
-    assert not thread.is_alive()
+def served(server: Served) -> Served:
+    """Return the server as if it had just been started with the paper's three lanes."""
+    experiment = Experiment.from_document({"title": "Three lanes", "lanes": LANES})
+    session = server.studio.session
+    server.studio.document.replace(experiment)
+    session.set_speed(1.0)
+    session.play()
+    done = threading.Event()
+    session.ask(done.set)
+    assert done.wait(30.0)
+    return server

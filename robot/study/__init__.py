@@ -1,0 +1,1 @@
+"""Many runs that answer one question: which knob, which way, how far."""

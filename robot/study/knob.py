@@ -1,0 +1,91 @@
+"""The knobs of a lane: which fields a number can be tuned on, and the values worth trying."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robot.errors import FieldError, InvalidExperimentError
+from robot.experiment import Experiment
+
+Array = np.ndarray
+
+COUNT = 20
+"""Positions along a slider's track (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A number of a lane that can be tuned.
+
+    Attributes:
+        lane: the lane.
+        field: name of the gain.
+        value: its present value, a number or six.
+        low: least permitted value.
+        high: greatest permitted value.
+        logarithmic: whether its slider runs logarithmically.
+    """
+
+    lane: str
+    field: str
+    value: float | tuple[float, ...]
+    low: float
+    high: float
+    logarithmic: bool
+
+    def patch(self, value: float | list[float]) -> dict[str, Any]:
+        """Return the merge patch that sets the knob."""
+        return {"lanes": {self.lane: {self.field: value}}}
+
+    def positions(self, count: int = COUNT) -> Array:
+        """Return values along the slider's track, both ends included. Shape (count,)."""
+        if self.logarithmic:
+            return np.geomspace(self.low, self.high, count)
+        return np.linspace(self.low, self.high, count)
+
+    def scaled(self, factor: float) -> float | list[float]:
+        """Return the value times a factor, held within the bounds."""
+        scaled = np.clip(np.asarray(self.value) * factor, self.low, self.high)
+        return scaled.tolist() if scaled.ndim else float(scaled)
+
+
+def knobs(experiment: Experiment, lane: str) -> list[Knob]:
+    """Return the knobs of one lane in the order of its fields.
+
+    Odd whole numbers (p, k) are left out: they are chosen, not tuned.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane.
+    """
+    if lane not in experiment.lanes:
+        known = ", ".join(experiment.lanes)
+        text = f"no lane is named {lane}; there are: {known}"
+        raise InvalidExperimentError([FieldError("lane", text, lane)])
+    gains = experiment.lanes[lane]
+    found = []
+    for name, info in type(gains).model_fields.items():
+        extra = info.json_schema_extra
+        if not isinstance(extra, dict) or "minimum" not in extra or extra.get("odd"):
+            continue
+        low, high = float(extra["minimum"]), float(extra["maximum"])  # type: ignore[arg-type]
+        logarithmic = extra.get("scale") == "log"
+        found.append(Knob(lane, name, getattr(gains, name), low, high, logarithmic))
+    return found
+
+
+def knob(experiment: Experiment, lane: str, field: str) -> Knob:
+    """Return one knob of a lane.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane or knob; lists the known ones.
+    """
+    found = knobs(experiment, lane)
+    for candidate in found:
+        if candidate.field == field:
+            return candidate
+    known = ", ".join(candidate.field for candidate in found)
+    text = f"{lane} has no knob {field}; it has: {known}"
+    raise InvalidExperimentError([FieldError("field", text, field)])

@@ -1,0 +1,95 @@
+"""What a study tries: the trials of a strip, of a sensitivity chart, of a smoothing curve."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robot.errors import FieldError, InvalidExperimentError
+from robot.experiment import Experiment
+from robot.study.knob import COUNT, knob, knobs
+from robot.switching import SWITCHINGS
+
+EPSILONS = np.geomspace(1e-3, 1.0, 13)
+"""Boundary layers of an accuracy-chattering curve in [rad/s] (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of a study.
+
+    Attributes:
+        name: the field that it changes.
+        value: the value that it sets.
+        patch: the merge patch.
+        factor: by how much the field was multiplied, where that is the point.
+        present: whether it is the experiment as it is.
+    """
+
+    name: str
+    value: Any
+    patch: dict[str, Any] = field(repr=False)
+    factor: float | None = None
+    present: bool = False
+
+    def document(self) -> dict[str, Any]:
+        """Return the trial as plain JSON values."""
+        return asdict(self)
+
+
+def strip(experiment: Experiment, lane: str, name: str, count: int = COUNT) -> list[Trial]:
+    """Return trials of one knob along its slider's track, the others fixed.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane or knob.
+    """
+    turned = knob(experiment, lane, name)
+    values = [float(value) for value in turned.positions(count)]
+    return [Trial(name, value, turned.patch(value)) for value in values]
+
+
+def sensitivity(experiment: Experiment, lane: str, change: float = 0.1) -> list[Trial]:
+    """Return trials of every knob, a little down and a little up; first the present state.
+
+    A knob at 0 can't be scaled and is left out.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane.
+    """
+    found = knobs(experiment, lane)
+    trials = [Trial("", None, {}, present=True)]
+    for turned in found:
+        if not np.any(turned.value):
+            continue
+        for factor in (1.0 - change, 1.0 + change):
+            value = turned.scaled(factor)
+            trials.append(Trial(turned.field, value, turned.patch(value), factor))
+    return trials
+
+
+def switching_comparison(experiment: Experiment, lane: str) -> list[Trial]:
+    """Return trials of tanh over the boundary layer, then of every switching function as it is.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane, or it doesn't switch.
+    """
+    knobs(experiment, lane)
+    present = experiment.lanes[lane]
+    if not hasattr(present, "switching"):
+        text = f"{lane} has no switching function to compare"
+        raise InvalidExperimentError([FieldError("lane", text, lane)])
+
+    def patch(**gains: Any) -> dict[str, Any]:
+        return {"lanes": {lane: gains}}
+
+    curve = [
+        Trial("epsilon", float(value), patch(switching="tanh", epsilon=float(value)))
+        for value in EPSILONS
+    ]
+    functions = [
+        Trial("switching", name, patch(switching=name), present=name == present.switching)
+        for name in SWITCHINGS
+    ]
+    return curve + functions

@@ -1,0 +1,87 @@
+"""The past over HTTP: edits and the way back, recorded moments, branches."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Body
+from pydantic import Field
+from starlette.exceptions import HTTPException
+
+from robot.experiment import LaneName
+from robot.merge_patch import difference
+from server.contract import ErrorAnswer, ExperimentAnswer, Strict
+from server.studio import Studio
+
+REFUSED: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}, 422: {"model": ErrorAnswer}}
+
+
+class Fork(Strict):
+    """Where to branch off, and into what."""
+
+    time: float = Field(ge=0.0, allow_inf_nan=False, description="Simulated time to go back to [s].")
+    origin: str = Field(description="The lane whose past the new one continues.")
+    name: LaneName = Field(description="Name of the new lane.")
+    gains: dict[str, Any] = Field({}, description="What the new lane has otherwise than its origin.")
+
+
+class Look(Strict):
+    """Which past moment the 3D scene shows."""
+
+    time: float | None = Field(ge=0.0, allow_inf_nan=False, description="``null``: the present.")
+
+
+def history_router(studio: Studio) -> APIRouter:
+    """Return the routes of the past."""
+    router = APIRouter(prefix="/api", tags=["history"])
+
+    @router.get("/history")
+    async def edits() -> dict[str, Any]:
+        """Every edit of this session: who, when, which field, from, to."""
+        return {"edits": studio.history.entries()}
+
+    @router.post("/history/{number}/restore", response_model=ExperimentAnswer, responses=REFUSED)
+    def restore(number: int) -> dict[str, Any]:
+        """Go back to the experiment as it was after an edit; time and states go on."""
+        experiment = studio.history.after(number)
+        if experiment is None:
+            raise HTTPException(404, f"edit {number} isn't in the history any more")
+        before = studio.document.experiment.document()
+        change = studio.document.patch(difference(before, experiment.document()), author="history")
+        return {
+            "revision": change.revision,
+            "preset": studio.document.preset,
+            "experiment": change.experiment.document(),
+        }
+
+    @router.get("/session/past")
+    async def past() -> dict[str, Any]:
+        """Which moments can be looked at: the last minute of simulated time."""
+        span = studio.session.recorder.span()
+        return {"from": span[0] if span else None, "to": span[1] if span else None}
+
+    @router.post("/session/look", status_code=202, responses=REFUSED)
+    async def look(wanted: Annotated[Look, Body()]) -> dict[str, Any]:
+        """Show a past moment in the 3D scene; the session pauses while it is shown."""
+        if wanted.time is None:
+            studio.view.show_past(None)
+            return {"time": None}
+        studio.session.pause()
+        moment = studio.session.recorder.at(wanted.time)
+        studio.view.show_past(moment.angles() if moment is not None else None)
+        return {"time": None if moment is None else moment.time}
+
+    @router.post("/session/fork", response_model=ExperimentAnswer, responses=REFUSED)
+    def fork(wanted: Annotated[Fork, Body()]) -> dict[str, Any]:
+        """Go back to a moment of the last minute and go on from there with one lane more."""
+        studio.view.show_past(None)
+        change = studio.document.fork(
+            wanted.time, wanted.origin, wanted.name, wanted.gains, author="http"
+        )
+        return {
+            "revision": change.revision,
+            "preset": studio.document.preset,
+            "experiment": change.experiment.document(),
+        }
+
+    return router

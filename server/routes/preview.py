@@ -1,0 +1,60 @@
+"""Whole responses over HTTP: every lane, from t = 0 over the horizon."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Body, Request, Response
+from pydantic import Field
+
+from server.contract import ErrorAnswer, Strict
+from server.disconnect import until_gone
+from server.preview import encode_responses
+from server.studio import Studio
+
+BINARY = "application/octet-stream"
+SUPERSEDED: dict[int | str, dict[str, Any]] = {
+    200: {"content": {BINARY: {}}, "description": "See ``server.preview.encode_responses``."},
+    204: {"description": "The same client has asked for a newer one."},
+    422: {"model": ErrorAnswer},
+    503: {"model": ErrorAnswer},
+}
+
+
+class PreviewRequest(Strict):
+    """Which response is wanted."""
+
+    patch: dict[str, Any] = Field(
+        {}, description="Merge patch to the live experiment.", examples=[{"lanes": {"NFTSM": {"nu": 30}}}]
+    )
+    experiment: dict[str, Any] | None = Field(
+        None, description="Another experiment than the live one, whole."
+    )
+    quick: bool = Field(False, description="2 ms steps, as while a slider is being dragged.")
+    client: str = Field("", max_length=80, description="A newer request of it cancels the older.")
+    show: bool = Field(False, description="Whether to draw the flange's paths in the 3D scene.")
+
+
+def preview_router(studio: Studio) -> APIRouter:
+    """Return the route of whole responses."""
+    router = APIRouter(prefix="/api", tags=["preview"])
+
+    @router.post("/preview", response_class=Response, responses=SUPERSEDED)
+    async def preview(request: Request, wanted: Annotated[PreviewRequest, Body()]) -> Response:
+        """Run every lane over its horizon beside the live session; metrics and thinned columns.
+
+        The answer is binary: ``uint32`` length of a JSON text, the text, then columns of
+        ``float32`` as the text describes them.
+        """
+        revision = studio.document.revision
+        experiment = studio.experiment_of(wanted.experiment, wanted.patch)
+        work = studio.previews.respond(experiment, wanted.quick, wanted.client)
+        responses = await until_gone(request, work)
+        if responses is None:
+            return Response(status_code=204)
+        if wanted.show:
+            studio.view.show_responses({name: r.path for name, r in responses.items()})
+        head = {"revision": revision, "quick": wanted.quick, "horizon": experiment.simulation.horizon}
+        return Response(encode_responses(head, responses), media_type=BINARY)
+
+    return router

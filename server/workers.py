@@ -1,0 +1,126 @@
+"""Processes that run whole experiments beside the live session, which must not notice.
+
+They are started once and stay warm. A task can be cancelled while it runs: each has a slot in a
+shared array and stops as soon as the number there isn't its own any more. A killed process costs
+the tasks that it had; the next ones get a new pool.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import multiprocessing
+import os
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from typing import Any, TypeVar
+
+from robot.errors import SlidetuneError
+
+Result = TypeVar("Result")
+
+SLOTS = 256
+"""Tasks that can be under way or waiting at once (*ours*)."""
+
+_flags: Any = None
+
+
+class WorkerLostError(SlidetuneError, RuntimeError):
+    """The process of a task was killed; asking again gets a new one."""
+
+
+class BusyError(SlidetuneError, RuntimeError):
+    """Too many tasks wait already."""
+
+
+def worker_count() -> int:
+    """Return how many processes to start: one core stays with the session and the browser."""
+    return max(1, min(4, (os.cpu_count() or 2) - 1))
+
+
+def _begin(flags: Any) -> None:
+    """Warm a new process up: load every compiled kernel, keep out of the session's way."""
+    global _flags
+    _flags = flags
+    if hasattr(os, "nice"):
+        os.nice(5)
+    from robot.warmup import warm_up
+
+    warm_up()
+
+
+def _perform(function: Callable[..., Result], slot: int, ticket: int, args: tuple[Any, ...]) -> Result:
+    """Run one task in a worker, with its own way to learn that it isn't wanted any more."""
+    flags = _flags
+    return function(*args, cancelled=lambda: flags[slot] != ticket)
+
+
+class Workers:
+    """A pool of warm processes."""
+
+    def __init__(self, count: int | None = None) -> None:
+        """Say how many processes there will be; ``start`` starts them."""
+        self._count = count or worker_count()
+        self._context = multiprocessing.get_context("spawn")
+        self._flags = self._context.Array("Q", SLOTS, lock=False)
+        self._tickets = itertools.count(1)
+        self._free = set(range(SLOTS))
+        self._pool: ProcessPoolExecutor | None = None
+
+    def start(self) -> None:
+        """Start the processes, without waiting for them."""
+        self._pool = ProcessPoolExecutor(
+            self._count, self._context, initializer=_begin, initargs=(self._flags,)
+        )
+        for _ in range(self._count):
+            self._pool.submit(int)
+
+    def stop(self) -> None:
+        """End the processes, whatever they are doing."""
+        for slot in range(SLOTS):
+            self._flags[slot] = 0
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+    def processes(self) -> list[int]:
+        """Return the ids of the processes."""
+        return [] if self._pool is None else list(getattr(self._pool, "_processes", None) or ())
+
+    async def run(self, function: Callable[..., Result], *args: Any) -> Result:
+        """Run ``function(*args, cancelled=…)`` in a process; cancelling this cancels the task.
+
+        Args:
+            function: a function of a module, which takes ``cancelled``, a callable that says
+                whether to stop.
+            args: what can travel between processes.
+
+        Raises:
+            WorkerLostError: if the process was killed meanwhile.
+            BusyError: if too many tasks wait already.
+        """
+        if not self._free:
+            raise BusyError(f"{SLOTS} tasks wait already: try again in a moment")
+        slot, ticket = self._free.pop(), next(self._tickets)
+        self._flags[slot] = ticket
+        try:
+            future = self._submit(partial(_perform, function, slot, ticket, args))
+            return await asyncio.wrap_future(future)
+        except BrokenProcessPool as error:
+            raise WorkerLostError("a worker process was lost: ask again") from error
+        finally:
+            self._flags[slot] = 0
+            self._free.add(slot)
+
+    def _submit(self, task: Callable[[], Result]) -> Future[Result]:
+        if self._pool is None:
+            self.start()
+        assert self._pool is not None
+        try:
+            return self._pool.submit(task)
+        except BrokenProcessPool:
+            self._pool.shutdown(wait=False)
+            self.start()
+            return self._pool.submit(task)

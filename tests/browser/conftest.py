@@ -1,0 +1,193 @@
+"""A dashboard in its own process, and a page in a real Chromium that tolerates no complaint.
+
+A fresh dashboard for every test, one Chromium for every module (Playwright's event loop may not
+outlive it: other modules run their own), a fresh profile for every page.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, Request, expect, sync_playwright
+
+from tests.browser.chromium import FLAGS, VARIABLE, find
+
+ROOT = Path(__file__).resolve().parents[2]
+START_TIME = 240
+"""Longest that a dashboard may take to start in seconds: the first one compiles every kernel."""
+ADDRESS = re.compile(r"http://\S+")
+LOGS = pytest.StashKey[list[Path]]()
+FAILED = pytest.StashKey[bool]()
+
+expect.set_options(timeout=15_000)
+
+
+@dataclass(frozen=True)
+class Dashboard:
+    """A dashboard that answers.
+
+    Attributes:
+        url: the address that it printed; it ends in a slash.
+        client: an HTTP client whose base is that address.
+        process: the server.
+        log: everything that the server printed.
+    """
+
+    url: str
+    client: httpx.Client
+    process: subprocess.Popen[bytes]
+    log: Path
+
+
+StartDashboard = Callable[..., Dashboard]
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.path.is_relative_to(Path(__file__).parent):
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Iterator[pytest.TestReport]:
+    report: pytest.TestReport = yield
+    if report.failed:
+        item.stash[FAILED] = True
+        for log in item.stash.get(LOGS, []):
+            report.sections.append((f"{log.stem} log", log.read_text(errors="replace")))
+    return report
+
+
+def printed_address(process: subprocess.Popen[bytes], log: Path) -> str:
+    """Wait until a dashboard has printed its address, and return that."""
+    deadline = time.monotonic() + START_TIME
+    while time.monotonic() < deadline:
+        found = ADDRESS.search(log.read_text(errors="replace"))
+        if found:
+            return found[0]
+        if process.poll() is not None:
+            pytest.fail(f"the dashboard ended with code {process.returncode} before it answered")
+        time.sleep(0.05)
+    pytest.fail(f"the dashboard printed no address within {START_TIME} s")
+
+
+@contextmanager
+def running(arguments: tuple[str, ...], log: Path) -> Iterator[Dashboard]:
+    """Run a dashboard on a free port; ends it at the end, however it stands."""
+    command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0", *arguments]
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+            env={**os.environ, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"},
+        )
+    try:
+        url = printed_address(process, log)
+        with httpx.Client(base_url=url, trust_env=False, timeout=30) as client:
+            yield Dashboard(url, client, process, log)
+    finally:
+        process.terminate()
+        try:
+            process.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def start_dashboard(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[StartDashboard]:
+    """Start a dashboard with these options of ``serve``; as many as a test needs."""
+    logs = request.node.stash.setdefault(LOGS, [])
+    with ExitStack() as stack:
+
+        def start(*arguments: str) -> Dashboard:
+            log = tmp_path / f"dashboard-{len(logs) + 1}.txt"
+            log.touch()
+            logs.append(log)
+            return stack.enter_context(running(arguments, log))
+
+        yield start
+
+
+@pytest.fixture
+def dashboard(start_dashboard: StartDashboard) -> Dashboard:
+    """A fresh dashboard with the paper's experiment, which plays."""
+    return start_dashboard()
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    """A headless Chromium that draws WebGL in software."""
+    program = os.environ.get(VARIABLE) or find()
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+class Complaints:
+    """Errors in the console, uncaught errors and failed requests of every page of a context."""
+
+    def __init__(self, context: BrowserContext) -> None:
+        self._texts: list[str] = []
+        self._allowed: list[str] = []
+        context.on("console", lambda m: self._add(m.text) if m.type == "error" else None)
+        context.on("weberror", lambda error: self._add(str(error.error)))
+        context.on("requestfailed", self._request_failed)
+
+    def allow(self, pattern: str) -> None:
+        """Tolerate what this regular expression is found in: the test provokes it."""
+        self._allowed.append(pattern)
+
+    def unexpected(self) -> list[str]:
+        """Return every complaint that no pattern allows."""
+        return [
+            text for text in self._texts if not any(re.search(rule, text) for rule in self._allowed)
+        ]
+
+    def _add(self, text: str) -> None:
+        self._texts.append(text)
+
+    def _request_failed(self, request: Request) -> None:
+        # Aborted: the page itself gave it up, as it does for a download or when it is left.
+        if request.failure != "net::ERR_ABORTED":
+            self._add(f"{request.method} {request.url}: {request.failure}")
+
+
+@pytest.fixture
+def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[BrowserContext]:
+    """A fresh profile; closed before the dashboards that its pages talk to."""
+    context = chromium.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def complaints(context: BrowserContext) -> Complaints:
+    """What the pages complain of; `allow` what the test provokes."""
+    return Complaints(context)
+
+
+@pytest.fixture
+def page(
+    context: BrowserContext, complaints: Complaints, request: pytest.FixtureRequest
+) -> Iterator[Page]:
+    """An empty page: open ``dashboard.url`` in it. A complaint of any page fails the test."""
+    page = context.new_page()
+    yield page
+    unexpected = complaints.unexpected()
+    if unexpected or request.node.stash.get(FAILED, False):
+        name = re.sub(r"[^\w.-]+", "-", request.node.nodeid.removeprefix("tests/"))
+        page.screenshot(path=ROOT / "test-results" / f"{name}.png")
+    assert unexpected == []

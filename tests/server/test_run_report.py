@@ -1,0 +1,65 @@
+"""The figures of a run, as JSON and as a table."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+
+from robot.experiment import Experiment
+from robot.packed import pack
+from robot.simulate import Run, simulate
+from robot.stability import notes
+from server.run_report import UNITS, figure, json_text, print_report, report
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    lanes = {"A": {"law": "nftsm"}, "calm": {"law": "computed_torque", "kp": 1, "kd": 1}}
+    simulation = {"mode": "sampled", "horizon": 0.5}
+    return simulate(Experiment.from_document({"lanes": lanes, "simulation": simulation}))
+
+
+def printed(run: Run, since: float = 0.0) -> str:
+    console = Console(file=io.StringIO(), width=160)
+    print_report(report(run, since), console)
+    return console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_every_figure_has_a_unit(run: Run) -> None:
+    assert set(UNITS) == set(run.lanes["A"].metrics.document())
+
+
+def test_the_json_of_a_diverged_run_is_strict(run: Run) -> None:
+    text = json_text(report(run))
+    assert "NaN" not in text
+    assert "Infinity" not in text
+
+
+def test_a_lane_that_stood_still_has_no_figures_rather_than_wrong_ones(run: Run) -> None:
+    freeze = run.lanes["A"].freeze
+    assert freeze is not None
+    later = report(run, freeze.time + 0.01)["lanes"]
+    assert later["A"]["metrics"] is None
+    assert later["A"]["frozen"]["cause"] == freeze.cause
+    assert later["calm"]["metrics"]["diverged_at"] is None
+    assert "—" in printed(run, freeze.time + 0.01)
+
+
+def test_remarks_and_causes_are_printed_in_words(run: Run) -> None:
+    text = " ".join(printed(run).split())
+    freeze = run.lanes["A"].freeze
+    assert freeze is not None
+    assert " ".join(freeze.cause.split()) in text
+    remarks = notes(pack(run.experiment), "A")
+    assert remarks
+    assert all(" ".join(note.message.split()) in text for note in remarks)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "—"), (0.0, "0"), (999.96, "1000"), (165667.2, "165,667"), (0.00012346, "0.0001235")],
+)
+def test_numbers_are_printed_as_people_read_them(value: float | None, text: str) -> None:
+    assert figure(value) == text
