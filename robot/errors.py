@@ -60,6 +60,18 @@ class UnknownPresetError(SlidetuneError, KeyError):
         return str(self.args[0])
 
 
+class InvalidLessonError(InvalidExperimentError):
+    """Values that a lesson can't take; ``fields`` names each."""
+
+
+class UnknownLessonError(SlidetuneError, KeyError):
+    """No lesson of that name; the message lists the known ones."""
+
+    def __str__(self) -> str:
+        """Return the text itself (KeyError would quote it)."""
+        return str(self.args[0])
+
+
 class PresetConflictError(SlidetuneError, ValueError):
     """A preset of that name exists already, or ships with the program and is read-only."""
 

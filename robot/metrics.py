@@ -66,6 +66,27 @@ def total_variation(torque: Array, period: float) -> float:
     return float(np.abs(np.diff(torque, axis=0)).sum() / ((len(torque) - 1) * period))
 
 
+def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
+    """Return the power spectral density of each joint's torque, by Welch's method.
+
+    Args:
+        torque: torque in [N m]. Shape (n, 6).
+        period: time between two rows in [s].
+
+    Returns:
+        Frequency in [Hz] from 0, evenly spaced, shape (m,), and density in [(N m)^2/Hz], shape
+        (m, 6); ``None`` where sampling is too slow for 50 Hz or the span shorter than 0.25 s.
+    """
+    rate = 1.0 / period
+    if rate <= 2.0 * HIGH_FREQUENCY or len(torque) * period < 0.25:
+        return None
+    segment = min(len(torque), max(256, int(rate)))
+    frequency, power = signal.welch(
+        torque, rate, window="blackmanharris", nperseg=segment, axis=0, detrend="linear"
+    )
+    return frequency, power
+
+
 def high_frequency_torque(torque: Array, period: float) -> float | None:
     """Return the effective torque above 50 Hz in [N m], root sum of squares over the joints.
 
@@ -76,13 +97,10 @@ def high_frequency_torque(torque: Array, period: float) -> float | None:
     Returns:
         The figure, or ``None`` where sampling is too slow or the span shorter than 0.25 s.
     """
-    rate = 1.0 / period
-    if rate <= 2.0 * HIGH_FREQUENCY or len(torque) * period < 0.25:
+    spectrum = torque_spectrum(torque, period)
+    if spectrum is None:
         return None
-    segment = min(len(torque), max(256, int(rate)))
-    frequency, power = signal.welch(
-        torque, rate, window="blackmanharris", nperseg=segment, axis=0, detrend="linear"
-    )
+    frequency, power = spectrum
     above = frequency >= HIGH_FREQUENCY
     return float(np.sqrt(power[above].sum() * (frequency[1] - frequency[0])))
 

@@ -15,7 +15,7 @@ from robot.metrics import Metrics, measure_lane
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.trajectory import reference
-from robot.workspace import QD, RECORD, RECORD_COLUMNS, VD, WORK_ROWS
+from robot.workspace import NODES, QD, RECORD, RECORD_COLUMNS, VD, WORK_ROWS, W
 
 Array = np.ndarray
 
@@ -36,6 +36,7 @@ class LaneRun:
         S: sliding variables in [rad/s]. Shape (n, 6).
         f: network outputs in [N m]. Shape (n, 6).
         weights: norms of the network's weights in [N m]. Shape (n, 6).
+        final_weights: the weights at the end in [N m], node by node. Shape (10, 6).
         e: errors ``q_d - q`` in [rad]. Shape (n, 6).
         de: velocity errors in [rad/s]. Shape (n, 6).
         flange: flange positions in [m]. Shape (n, 3).
@@ -50,6 +51,7 @@ class LaneRun:
     S: Array
     f: Array
     weights: Array
+    final_weights: Array
     e: Array
     de: Array
     flange: Array
@@ -64,7 +66,7 @@ class LaneRun:
         return self.metrics_since(0.0)
 
     def metrics_since(self, start: float) -> Metrics:
-        """Return the figures from ``start`` [s] to the end, or to where the lane left its bounds."""
+        """Return the figures from ``start`` [s] to where the lane ended."""
         rows = (self.time >= start) & np.isfinite(self.q[:, 0])
         if not rows.any():
             rows[0] = True
@@ -138,6 +140,7 @@ def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array) -> LaneRu
     layer = getattr(packed.experiment.lanes[lane.name], "epsilon", 0.0)
     return LaneRun(
         **columns,
+        final_weights=lane.work[W : W + NODES].copy(),
         e=e,
         de=de,
         flange=flange_positions(columns["q"]),

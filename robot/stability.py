@@ -158,7 +158,8 @@ def initial_torque(packed: Packed, name: str) -> Array:
     reference(0.0, packed.trajectory, work)
     q = work[QD] - np.asarray(simulation.initial_error)
     v = work[VD] if simulation.initial_velocity == "desired" else np.zeros(JOINTS)
-    return _evaluate(packed, name, q, v, packed.trajectory)[TAU].copy()
+    torque: Array = _evaluate(packed, name, q, v, packed.trajectory)[TAU]
+    return torque.copy()
 
 
 def _sampling(packed: Packed, name: str) -> Iterator[Note]:

@@ -83,16 +83,17 @@ def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, recor
 
     def step(t: float, number: int, row: int) -> int:
         evaluate()
-        bad = kernel(
+        bad: int = kernel(
             FIRST, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record
         )
         if bad:
             return bad
         evaluate_later()
-        return kernel(
+        bad = kernel(
             SECOND, t + half, h, row, M2, nle2, nominal_M2, nominal_nle2, gains, world,
             trajectory, work, record,
         )
+        return bad
 
     return step
 
@@ -144,7 +145,7 @@ def sampled_step(
         if believes is not None:
             observe(t, number, trajectory, world, work)
             believes()
-        bad = sample(
+        bad: int = sample(
             t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record
         )
         if bad:

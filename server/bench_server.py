@@ -16,7 +16,7 @@ from time import perf_counter, sleep
 
 from robot.errors import SlidetuneError
 
-PATIENCE = 120.0
+PATIENCE = 180.0
 """Longest wait for the server in [s] (*ours*)."""
 
 _ADDRESS = re.compile(r"https?://\S+?:(\d+)/")
@@ -54,7 +54,7 @@ def running_server() -> Iterator[RunningServer]:
     process = subprocess.Popen(
         command, cwd=_FOLDER, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, encoding="utf-8"
     )
-    lines: queue.Queue[str] = queue.Queue()
+    lines: queue.Queue[str | None] = queue.Queue()
     reader = threading.Thread(target=_read, args=(process, lines), daemon=True)
     reader.start()
     with process:  # closes the pipe
@@ -74,13 +74,13 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.kill()
 
 
-def _read(process: subprocess.Popen[str], lines: queue.Queue[str]) -> None:
+def _read(process: subprocess.Popen[str], lines: queue.Queue[str | None]) -> None:
     for line in process.stderr or ():
         lines.put(line.rstrip())
-    lines.put("")
+    lines.put(None)
 
 
-def _port(lines: queue.Queue[str], begin: float) -> int:
+def _port(lines: queue.Queue[str | None], begin: float) -> int:
     """Return the port that the server names once it answers."""
     last = "it said nothing"
     while True:
@@ -88,11 +88,11 @@ def _port(lines: queue.Queue[str], begin: float) -> int:
             line = lines.get(timeout=max(0.0, begin + PATIENCE - perf_counter()))
         except queue.Empty:
             raise ServerStartError(f"the server didn't answer in {PATIENCE:g} s: {last}") from None
+        if line is None:
+            raise ServerStartError(f"the server ended: {last}")
         if address := _ADDRESS.search(line):
             return int(address[1])
-        if not line:
-            raise ServerStartError(f"the server ended: {last}")
-        last = line
+        last = line or last
 
 
 def thread_times(process: int) -> dict[int, float]:

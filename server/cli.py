@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import sys
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -63,13 +62,14 @@ def serve(
     browser: Annotated[bool, typer.Option(help="Open the dashboard in a browser.")] = True,
 ) -> None:
     """Serve the dashboard."""
+    from robot.preset_name import is_preset_name
     from robot.presets import load_preset
     from server.serve import serve as serve_dashboard
     from server.warmup_bar import warm_up_with_bar
 
     experiment = load_preset(preset)
     warm_up_with_bar(console)
-    name = "" if Path(preset).suffix else preset
+    name = preset if is_preset_name(preset) else ""
     serve_dashboard(experiment, name, host, port, browser)
 
 

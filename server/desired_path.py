@@ -11,14 +11,14 @@ Array = np.ndarray
 
 DASH = 0.016
 """Length of a dash and of the gap after it in [m] (*ours*)."""
-DASHES = 400
-"""Most dashes (*ours*); on a longer path each is longer."""
+PIECES = 800
+"""Most dashes and gaps (*ours*); on a longer path each is longer."""
 BALL = 0.011
 """Radius of the ball in [m] (*ours*)."""
 
 
 def dashes(path: Array) -> Array:
-    """Cut a path into dashes of one length.
+    """Cut a path into dashes of one length, once where it runs over itself.
 
     Args:
         path: points in [m]. Shape (m, 3).
@@ -28,12 +28,23 @@ def dashes(path: Array) -> Array:
     """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    count = min(DASHES, int(along[-1] / (2.0 * DASH)))
+    count = min(PIECES, int(along[-1] / DASH))
     if count == 0:
         return np.zeros((0, 2, 3))
-    ends = np.linspace(0.0, along[-1], 2 * count + 1)[:-1]
+    ends = np.linspace(0.0, along[-1], count + 1)
     points = np.stack([np.interp(ends, along, path[:, axis]) for axis in range(3)], axis=-1)
-    return points.reshape(count, 2, 3)
+    pieces = np.stack([points[:-1], points[1:]], axis=1)
+    kept: Array = pieces[(np.arange(count) % 2 == 0) & ~_repeats(pieces, along[-1] / count)]
+    return kept
+
+
+def _repeats(pieces: Array, length: float) -> Array:
+    """Return which pieces lie where an earlier one, not just before, already is. Shape (n,)."""
+    middles = pieces.mean(axis=1)
+    squares = np.einsum("ij,ij->i", middles, middles)
+    apart = squares[:, None] + squares - 2.0 * middles @ middles.T
+    there: Array = np.tril(apart < (0.6 * length) ** 2, -3).any(axis=1)
+    return there
 
 
 class DesiredPath:

@@ -52,4 +52,5 @@ def exaggerated_positions(
     if factor == 1.0:
         return actual
     drawn = flange_positions(exaggerated_angles(q_d, q, factor))
-    return desired + drawn - flange_positions(q_d)
+    positions: Array = desired + drawn - flange_positions(q_d)
+    return positions

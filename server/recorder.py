@@ -73,7 +73,7 @@ class Recorder:
         return (moments[0].time, moments[-1].time) if moments else None
 
     def at(self, time: float) -> Moment | None:
-        """Return the last moment not after ``time`` [s], else the first; ``None`` if there is none."""
+        """Return the last moment not after ``time`` [s], else the first, or ``None``."""
         moments = tuple(self._moments)
         if not moments:
             return None

@@ -6,20 +6,24 @@ node's name stays in Viser's memory for ever.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import viser
 
 from robot.arm import flange_positions
+from robot.description import LINK_NAMES
 from robot.experiment import Robot
 from server.desired_path import DesiredPath
 from server.exaggeration import exaggerated_angles
+from server.ghost_mesh import ghost_mesh
 from server.gizmo import Gizmo
 from server.scene_arm import GhostArm, SolidArm, joint_orientations
-from server.trails import Stretch, Trail, TrailLine
+from server.scene_frame import LaneStyle, SceneFrame, ShownLane
+from server.trails import TrailLine
 from server.viewer import GREY, close_viewer, open_viewer
+
+__all__ = ["LaneStyle", "Scene", "SceneFrame"]
 
 Array = np.ndarray
 
@@ -33,80 +37,12 @@ LABEL = (0.5, -0.42, -0.75)
 """Where the scene says that deviations are exaggerated in [m] (*ours*): on the floor in front."""
 
 
-@dataclass(frozen=True)
-class LaneStyle:
-    """How a lane looks.
-
-    Attributes:
-        name: the lane's name.
-        color: its colour as ``#rrggbb``.
-    """
-
-    name: str
-    color: str
-
-
-@dataclass(frozen=True)
-class SceneFrame:
-    """What one picture shows.
-
-    Attributes:
-        q_d: desired angles now in [rad]. Shape (6,).
-        q: angles of each lane now in [rad]. Shapes (6,).
-        frozen: names of the lanes that have stopped.
-        desired_path: desired flange positions since the last frame in [m]. Shape (k, 3).
-        paths: true flange positions of each lane since the last frame in [m]. Shapes (k, 3).
-        period: time between the rows of the paths in [s].
-    """
-
-    q_d: Array
-    q: Mapping[str, Array]
-    frozen: frozenset[str]
-    desired_path: Array
-    paths: Mapping[str, Array]
-    period: float
-
-
 @dataclass
 class _Slot:
-    """One lane's nodes. A slot has a number, not a name, so that there are never more than lanes."""
+    """One lane's nodes; they have numbers for names, so that renaming a lane makes no new ones."""
 
     ghost: GhostArm
     line: TrailLine
-
-
-class _Lane:
-    """What is known of one lane.
-
-    Attributes:
-        trail: where its flange has been.
-        q_d: desired angles in the last picture in which it moved in [rad]. Shape (6,).
-        q: its angles then in [rad]. Shape (6,).
-        frozen: whether it has stopped.
-    """
-
-    def __init__(self) -> None:
-        self.trail = Trail()
-        self.q_d: Array | None = None
-        self.q: Array | None = None
-        self.frozen = False
-
-    def take(self, name: str, frame: SceneFrame, factor: float) -> None:
-        """Take what a frame says of the lane; a stopped lane stays as it was."""
-        self.frozen = name in frame.frozen
-        if self.frozen and self.q is not None:
-            return
-        q = np.array(frame.q[name], dtype=float)
-        before = (frame.q_d, q) if self.q is None or self.q_d is None else (self.q_d, self.q)
-        stretch = Stretch(
-            frame.desired_path,
-            frame.paths[name],
-            np.array([before[0], frame.q_d]),
-            np.array([before[1], q]),
-            frame.period,
-        )
-        self.trail.extend(stretch, factor)
-        self.q_d, self.q = np.array(frame.q_d, dtype=float), q
 
 
 class Scene:
@@ -135,10 +71,12 @@ class Scene:
             font_screen_scale=1.3,
             visible=False,
         )
+        for link in LINK_NAMES[1:]:
+            ghost_mesh(link)  # now, and not on the session's thread when the first lane comes
         self._slots: list[_Slot] = []
         self._styles: tuple[LaneStyle, ...] = ()
         self._selected = ""
-        self._lanes: dict[str, _Lane] = {}
+        self._lanes: dict[str, ShownLane] = {}
         self._painted: tuple[object, ...] = ()
         self._factor = 1.0
         self._ghosts = True
@@ -155,7 +93,7 @@ class Scene:
             desired_loop: the desired flange path over the horizon in [m]. Shape (m, 3).
         """
         self._styles, self._selected = tuple(lanes), selected
-        self._lanes = {lane.name: self._lanes.get(lane.name) or _Lane() for lane in lanes}
+        self._lanes = {lane.name: self._lanes.get(lane.name) or ShownLane() for lane in lanes}
         with self._viewer.atomic():
             while len(self._slots) < len(lanes):
                 self._slots.append(self._new_slot(len(self._slots)))
@@ -171,7 +109,7 @@ class Scene:
         """
         self._factor, self._ghosts = max(1.0, float(exaggeration)), ghosts
         with self._viewer.atomic():
-            self._label.text = f"deviation × {self._factor:g}"
+            self._label.text = f"deviation \N{MULTIPLICATION SIGN} {self._factor:g}"
             self._label.visible = self._factor > 1.0
 
     def update(self, frame: SceneFrame) -> None:
@@ -191,7 +129,7 @@ class Scene:
     def clear_trails(self) -> None:
         """Forget where the flanges have been."""
         for name in self._lanes:
-            self._lanes[name] = _Lane()
+            self._lanes[name] = ShownLane()
 
     def push(self) -> Array | None:
         """Return the force on the flange [N] in the base frame while somebody pulls, else ``None``.
@@ -210,7 +148,8 @@ class Scene:
 
     def _paint(self) -> None:
         """Give every node its colour and decide what is seen, when something of it has changed."""
-        frozen = tuple(lane.frozen for lane in self._lanes.values())
+        lanes = tuple(self._lanes.values())
+        frozen = tuple(lane.frozen for lane in lanes)
         painted = (self._styles, self._selected, frozen, self._ghosts, len(self._slots))
         if painted == self._painted:
             return
@@ -218,13 +157,13 @@ class Scene:
         for slot in self._slots[len(self._styles) :]:
             slot.ghost.show(False)
             slot.line.hide()
-        for slot, style, stopped in zip(self._slots, self._styles, frozen, strict=False):
+        for slot, style, lane in zip(self._slots, self._styles, lanes, strict=False):
             chosen, color = style.name == self._selected, _rgb(style.color)
-            slot.ghost.paint(FROZEN if stopped else color)
-            slot.ghost.show(stopped if chosen else self._ghosts)
+            slot.ghost.paint(FROZEN if lane.frozen else color)
+            slot.ghost.show(self._seen(lane, chosen))
             slot.line.style(color, GREY, WIDTH_SELECTED if chosen else WIDTH_OTHERS)
             if chosen:
-                self._arm.show(not stopped)
+                self._arm.show(not lane.frozen)
                 self._arm.paint(color)
 
     def _draw(self, q_d: Array) -> None:
@@ -243,8 +182,12 @@ class Scene:
             if chosen:
                 self._arm.pose(orientations)
                 self._gizmo.follow(flange)
-            if lane.frozen or not chosen:
+            if self._seen(lane, chosen):
                 self._slots[i].ghost.pose(orientations)
+
+    def _seen(self, lane: ShownLane, chosen: bool) -> bool:
+        """Return whether a lane has a ghost: the selected one only once it has stopped."""
+        return lane.frozen if chosen else self._ghosts
 
 
 def _rgb(color: str) -> tuple[int, int, int]:

@@ -5,29 +5,23 @@ Each is a chain of nodes, one in the other, so that a picture costs six rotation
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
-import trimesh
 import viser
 
 from robot.arm import build_model
 from robot.description import LINK_NAMES, MESH_DIR
 from robot.experiment import Payload, Robot
 from robot.quantity import JOINTS
+from server.ghost_mesh import ghost_mesh
 
 Array = np.ndarray
 Color = tuple[int, int, int]
 
-INSET = 0.0015
-"""How far a ghost's skin lies under the arm's in [m] (*ours*): where both are in one place, the
-ghost stays inside instead of flickering through."""
-COARSE = 0.009
-"""Edge of the cells in which a ghost has one vertex in [m] (*ours*): a third of the triangles."""
-CREASE = 0.7
-"""Angle in [rad] from which an edge of a ghost is drawn as one (*ours*)."""
 GHOST_OPACITY = 0.3
 """*Ours*: the floor and the arm stay visible behind it."""
 PAYLOAD_DENSITY = 7850.0
@@ -35,8 +29,7 @@ PAYLOAD_DENSITY = 7850.0
 PAYLOAD_COLOR = (196, 164, 92)
 """*Ours*: brass, a colour that no lane has."""
 
-# Height along the link's z, radius and thickness of the bands in the lane's colour, where the
-# outlines of the meshes are straight [m] (ours).
+# Height along the flange's z, radius and thickness of the band in the lane's colour [m] (ours).
 _FLANGE_BAND = (-0.0205, 0.0417, 0.011)
 
 
@@ -71,51 +64,24 @@ def joint_orientations(angles: Array) -> Array:
     return np.stack([w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s], axis=-1)
 
 
-@cache
-def ghost_mesh(link: str) -> tuple[Array, Array]:
-    """Return a link's mesh as one coarse surface, a little under the skin of the link.
-
-    Args:
-        link: a name of ``LINK_NAMES``.
-
-    Returns:
-        Vertices in [m] and faces. Shapes (n, 3) and (m, 3).
-    """
-    loaded = trimesh.load_scene(MESH_DIR / f"{link}.glb", process=False)
-    parts = [part for part in loaded.geometry.values() if isinstance(part, trimesh.Trimesh)]
-    fine = trimesh.util.concatenate(parts)
-    cells, cell = np.unique(np.floor(fine.vertices / COARSE), axis=0, return_inverse=True)
-    cell = cell.reshape(-1)
-    places, normals = np.zeros_like(cells), np.zeros_like(cells)
-    np.add.at(places, cell, fine.vertices)
-    np.add.at(normals, cell, np.vstack([part.vertex_normals for part in parts]))
-    places /= np.bincount(cell)[:, None]
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
-    faces = cell[fine.faces]
-    first, second, third = faces.T
-    faces = faces[(first != second) & (second != third) & (third != first)]
-    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    coarse = trimesh.Trimesh(places - INSET * normals, faces[kept], process=False)
-    # Faces that meet at an edge get vertices of their own: the browser smooths what is shared.
-    crisp = trimesh.graph.smooth_shade(coarse, angle=CREASE)
-    return crisp.vertices.astype(np.float32), crisp.faces.astype(np.uint32)
-
-
 class _Arm:
-    """A chain of six turning nodes below a root."""
+    """A chain of six turning nodes."""
 
-    def __init__(self, root: _Node, links: list[_Node]) -> None:
-        self._root = root
+    def __init__(self, links: Sequence[_Node]) -> None:
         self._links = links
+        self._posed = np.zeros((JOINTS, 4))
 
     def pose(self, orientations: Array) -> None:
         """Turn the joints. Shape of ``orientations`` (6, 4), unit quaternions wxyz."""
+        if np.array_equal(orientations, self._posed):
+            return
+        self._posed = orientations
         for link, orientation in zip(self._links, orientations, strict=True):
             link.wxyz = orientation
 
     def show(self, visible: bool) -> None:
-        """Show or hide the whole arm."""
-        self._root.visible = visible
+        """Show or hide all that moves."""
+        self._links[0].visible = visible
 
 
 def _chain(root: str) -> list[tuple[str, str, Array]]:
@@ -132,22 +98,38 @@ class SolidArm(_Arm):
 
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
         """Add the arm's nodes below ``name``."""
+
         def add(path: str, link: str, position: Array) -> viser.GlbHandle:
             return scene.add_glb(path, _glb(link), position=position, receive_shadow=False)
 
-        root = add(name, LINK_NAMES[0], np.zeros(3))
+        add(name, LINK_NAMES[0], np.zeros(3))
         chain = _chain(name)
-        super().__init__(root, [add(*node) for node in chain])
+        super().__init__([add(*node) for node in chain])
         flange = chain[-1][0]
         height, radius, thickness = _FLANGE_BAND
         self._band = scene.add_cylinder(
-            f"{flange}/band", radius, thickness, position=(0.0, 0.0, height), cast_shadow=False
+            f"{flange}/band",
+            radius,
+            thickness,
+            position=(0.0, 0.0, height),
+            cast_shadow=False,
+            receive_shadow=False,
         )
         self._stem = scene.add_cylinder(
-            f"{flange}/stem", 0.012, 1.0, color=PAYLOAD_COLOR, radial_segments=24, visible=False
+            f"{flange}/stem",
+            0.012,
+            1.0,
+            color=PAYLOAD_COLOR,
+            radial_segments=24,
+            receive_shadow=False,
+            visible=False,
         )
         self._load = scene.add_icosphere(
-            f"{flange}/payload", color=PAYLOAD_COLOR, subdivisions=4, visible=False
+            f"{flange}/payload",
+            color=PAYLOAD_COLOR,
+            subdivisions=4,
+            receive_shadow=False,
+            visible=False,
         )
 
     def paint(self, color: Color) -> None:
@@ -175,7 +157,6 @@ class GhostArm(_Arm):
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
         """Add the arm's nodes below ``name``, hidden; its base is that of the solid arm."""
         self._skins: list[viser.MeshHandle] = []
-        root = scene.add_frame(name, show_axes=False, visible=False)
         for path, link, position in _chain(name):
             vertices, faces = ghost_mesh(link)
             skin = scene.add_mesh_simple(
@@ -189,7 +170,8 @@ class GhostArm(_Arm):
                 position=position,
             )
             self._skins.append(skin)
-        super().__init__(root, list(self._skins))
+        super().__init__(self._skins)
+        self.show(False)
 
     def paint(self, color: Color) -> None:
         """Give the whole ghost a colour."""
@@ -210,4 +192,5 @@ def payload_radius(mass: float) -> float:
 def _turn_of_z(direction: Array) -> Array:
     """Return the rotation wxyz that takes z to a unit vector."""
     turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), direction)
-    return turn.coeffs()[[3, 0, 1, 2]]
+    wxyz: Array = turn.coeffs()[[3, 0, 1, 2]]
+    return wxyz

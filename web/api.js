@@ -38,9 +38,15 @@ export {ApiError};
  *   dt: number, data: Float32Array}} Frame
  */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
+/** @typedef {ReturnType<typeof setTimeout>} Timer */
 
 const HEADER_BYTES = 32;
+const NOT_CONNECTED = 'not connected: the change was not made';
 const SETTLE_MS = 3000;
+/** An answer may be lost: the server drops what a page that lags too far has missed. */
+const ANSWER_MS = 10_000;
+/** With more on the way a slow server would fall behind the hand; two hide the way there and back. */
+const MOST_ON_THE_WAY = 2;
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;
 
@@ -80,7 +86,7 @@ export class Api extends EventTarget {
 
   /** @type {Document|null} */ #pending = null;
   #id = 0;
-  /** @type {Map<number, {patch: Document, done: (error?: ApiError) => void}>} */
+  /** @type {Map<number, {done: (error?: ApiError) => void, timer: Timer}>} */
   #sent = new Map();
   /** @type {(() => void)[]} */ #settling = [];
   #viewed = 0;
@@ -99,18 +105,18 @@ export class Api extends EventTarget {
   // Editing
 
   /**
-   * Change the live experiment. Several patches within one animation frame become one.
-   * A refusal arrives as `error` event.
+   * Change the live experiment. Several patches within one animation frame, or while the server
+   * is busy with earlier ones, become one. A refusal arrives as `error` event.
    *
    * @param {Document} patch JSON merge patch
    */
   patch(patch) {
-    if (!this.#pending) {
-      // A hidden page gets no animation frames.
-      const later = document.hidden ? setTimeout : requestAnimationFrame;
-      later(() => this.#flush());
-    }
+    const waiting = this.#pending !== null;
     this.#pending = joined(this.#pending ?? {}, patch);
+    if (waiting) return;
+    // A hidden page gets no animation frames.
+    const later = document.hidden ? setTimeout : requestAnimationFrame;
+    later(() => this.#flushIfIdle());
   }
 
   /**
@@ -123,7 +129,7 @@ export class Api extends EventTarget {
   change(patch) {
     this.#flush();
     return new Promise((resolve, reject) => {
-      this.#submit({type: 'patch', patch}, patch, (error) => (error ? reject(error) : resolve()));
+      this.#submit({type: 'patch', patch}, (error) => (error ? reject(error) : resolve()));
     });
   }
 
@@ -151,9 +157,8 @@ export class Api extends EventTarget {
   duplicateLane(origin, name) {
     this.#flush();
     return new Promise((resolve, reject) => {
-      this.#submit({type: 'lane', origin, name}, {lanes: {[name]: {}}}, (error) => (
-        error ? reject(error) : resolve()
-      ));
+      const lane = {type: 'lane', origin, name};
+      this.#submit(lane, (error) => (error ? reject(error) : resolve()));
     });
   }
 
@@ -233,7 +238,7 @@ export class Api extends EventTarget {
     // Connected means resynchronised: only `hello` says so.
     if (detail.open) return;
     this.connected = false;
-    const lost = new ApiError(0, 'disconnected', 'not connected: the change was not made');
+    const lost = new ApiError(0, 'lost', NOT_CONNECTED);
     for (const id of [...this.#sent.keys()]) this.#answered(id, lost);
     this.#emit('connection', {connected: false, ...detail});
   }
@@ -292,38 +297,42 @@ export class Api extends EventTarget {
    * @param {ApiError} [error]
    */
   #answered(id, error) {
-    for (const [older, {done}] of [...this.#sent]) {
+    for (const [older, {done, timer}] of [...this.#sent]) {
       if (older > id) continue;
+      clearTimeout(timer);
       this.#sent.delete(older);
       done(older === id ? error : undefined);
     }
+    this.#flushIfIdle();
     if (this.#sent.size) return;
     for (const resolve of this.#settling.splice(0)) resolve();
   }
 
   // What leaves
 
+  #flushIfIdle() { if (this.#sent.size < MOST_ON_THE_WAY) this.#flush(); }
+
   #flush() {
     const patch = this.#pending;
     if (!patch) return;
     this.#pending = null;
     const id = this.#id + 1;
-    this.#submit({type: 'patch', patch}, patch, (error) => {
+    this.#submit({type: 'patch', patch}, (error) => {
       if (error) this.#emit('error', {id, error, patch});
     });
   }
 
   /**
    * @param {Document} message
-   * @param {Document} patch
    * @param {(error?: ApiError) => void} done
    */
-  #submit(message, patch, done) {
+  #submit(message, done) {
     this.#id += 1;
-    this.#sent.set(this.#id, {patch, done});
-    if (this.#send({...message, id: this.#id})) return;
-    const text = 'not connected: the change was not made';
-    this.#answered(this.#id, new ApiError(0, 'disconnected', text));
+    const id = this.#id;
+    const give = (/** @type {string} */ text) => this.#answered(id, new ApiError(0, 'lost', text));
+    const timer = setTimeout(() => give('the server has not answered'), ANSWER_MS);
+    this.#sent.set(id, {done, timer});
+    if (!this.#send({...message, id})) give(NOT_CONNECTED);
   }
 
   /** @param {Document} message */

@@ -4,8 +4,8 @@
 import {Control} from './control.js';
 import {element, freshId} from './element.js';
 
-const MOST_BESIDE = 3;
-const LONGEST_BESIDE = 30;
+const MOST_BESIDE = 4;
+const LONGEST_BESIDE = 24;
 
 /** A field that is one of its options. */
 export class ChoiceControl extends Control {

@@ -107,7 +107,8 @@ function table(columns) {
 
 /** @param {number|undefined} value */
 function cell(value) {
-  return value === undefined || Number.isNaN(value) ? '' : String(Number(value.toPrecision(DIGITS)));
+  if (value === undefined || Number.isNaN(value)) return '';
+  return String(Number(value.toPrecision(DIGITS)));
 }
 
 /** @param {string} text */

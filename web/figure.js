@@ -89,7 +89,7 @@ function axisNumber(index) { return index ? String(index + 1) : ''; }
 
 /**
  * @param {Drawing} drawing
- * @returns {{data: object[], layout: object}}
+ * @returns {import('./plot_redraw.js').Figure}
  */
 export function figure(drawing) {
   const data = drawing.panels.flatMap((panel, index) => [

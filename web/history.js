@@ -108,14 +108,14 @@ export class History extends EventTarget {
    * @param {Document} experiment
    */
   async #restore(preset, experiment) {
-    try {
-      if (!preset) throw new Error('it came from no preset');
-      const loaded = await this.#api.loadPreset(preset);
-      const rest = difference(loaded.experiment, experiment);
-      if (Object.keys(rest).length) await this.#api.change(rest);
-    } catch {
+    const presets = await this.#api.listPresets();
+    if (!presets.some(({name}) => name === preset)) {
       await this.#api.replaceExperiment(experiment);
+      return;
     }
+    const loaded = await this.#api.loadPreset(preset);
+    const rest = difference(loaded.experiment, experiment);
+    if (Object.keys(rest).length) await this.#api.change(rest);
   }
 
   /**

@@ -152,9 +152,9 @@ class Metrics {
     COLUMNS.forEach((column, index) => {
       // A margin is no merit; and what a lane reached before it stopped can't be compared with
       // those that went on.
-      const least = column.limit !== undefined ? null : best([...lanes.values()].map(({values, frozen}) => (
-        frozen ? null : values[index]
-      )));
+      const compared = [...lanes.values()].filter(({frozen}) => !frozen);
+      const least = column.limit !== undefined ? null
+        : best(compared.map(({values}) => values[index]));
       for (const [name, {figures, values, frozen}] of lanes) {
         const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
         const isBest = !frozen && least !== null && threeDigits(values[index]) === least;

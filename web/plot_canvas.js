@@ -4,6 +4,8 @@
 import {element} from './element.js';
 import {MARGIN, figure, library, themeOf} from './figure.js';
 import {spectrumPanels, timePanels} from './panel_curves.js';
+import {PlotGestures} from './plot_gestures.js';
+import {PlotRedraw} from './plot_redraw.js';
 import {RedrawPace} from './redraw_pace.js';
 import {linesOf} from './revision_marks.js';
 import {YRanges} from './y_range.js';
@@ -21,9 +23,6 @@ import {YRanges} from './y_range.js';
 
 /** Lower than this a panel can't be read; the stage scrolls instead. */
 const LEAST_PANEL = 78;
-const DOUBLE_MS = 400;
-const DOUBLE_PIXELS = 10;
-const CONFIG = {displayModeBar: false, doubleClick: false, scrollZoom: false, responsive: false};
 
 /** Draws sheets into a stage. */
 export class Canvas {
@@ -31,16 +30,13 @@ export class Canvas {
   #sheet;
   #graph = element('div', {class: 'plots-graph'});
   #message = element('p', {class: 'plots-message'});
+  #redraw = new PlotRedraw(this.#graph);
   #ranges = new YRanges();
   #pace = new RedrawPace(() => this.#draw());
   /** @type {import('./figure.js').Theme|null} */ #theme = null;
   #touch = matchMedia('(pointer: coarse)');
   #size = {width: 0, height: 0};
-  /** A drag would break off if its plot were redrawn. */
-  #pressed = false;
-  #presses = 0;
-  #press = {time: -Infinity, x: 0, y: 0};
-  #listening = false;
+  #gestures;
   #on;
 
   /**
@@ -60,7 +56,10 @@ export class Canvas {
     document.addEventListener('visibilitychange', () => this.request());
     addEventListener('load', () => this.request());
     this.#watchTheme();
-    this.#watchPointer();
+    this.#gestures = new PlotGestures(this.#graph, stage, {
+      released: () => this.request(),
+      doubled: () => on.live(),
+    });
   }
 
   /** @param {{least?: number}} [options] as of {@link RedrawPace} */
@@ -69,7 +68,7 @@ export class Canvas {
   /** Choose the vertical ranges anew. */
   forgetRanges() { this.#ranges.clear(); }
 
-  /** @returns {{data: object[], layout: object}} the figure with title and legend */
+  /** @returns {import('./plot_redraw.js').Figure} the figure with title and legend */
   forFile() { return this.#figure(this.#sheet(), true); }
 
   #watchTheme() {
@@ -81,70 +80,21 @@ export class Canvas {
     );
   }
 
-  #watchPointer() {
-    this.#graph.addEventListener('pointerdown', (event) => {
-      this.#pressed = true;
-      this.#countPress(event);
-    }, true);
-    const released = () => {
-      if (!this.#pressed) return;
-      // The library reports the zoom within this same turn.
-      setTimeout(() => {
-        this.#pressed = false;
-        if (this.#presses >= 2) this.#on.live();
-        this.request();
-      });
-    };
-    addEventListener('pointerup', released);
-    addEventListener('pointercancel', released);
-    addEventListener('blur', released);
-  }
-
-  /**
-   * The library covers the page while a button is down, so that no double click arrives.
-   *
-   * @param {PointerEvent} event
-   */
-  #countPress({timeStamp, clientX, clientY}) {
-    const last = this.#press;
-    const again = timeStamp - last.time < DOUBLE_MS
-      && Math.hypot(clientX - last.x, clientY - last.y) < DOUBLE_PIXELS;
-    this.#presses = again ? this.#presses + 1 : 1;
-    this.#press = {time: timeStamp, x: clientX, y: clientY};
-  }
-
   /** Whether anybody can see it. */
   get #visible() {
     return !document.hidden && this.#size.width > 0 && this.#size.height > 0;
   }
 
   #draw() {
-    if (!this.#visible || this.#pressed) return;
+    if (!this.#visible || this.#gestures.pressed) return;
     const sheet = this.#sheet();
     this.#say(messageFor(sheet));
     this.#graph.hidden = !sheet.panels.length;
     if (!sheet.panels.length || !library()) return;
-    const {data, layout} = this.#figure(sheet, false);
-    this.#react(data, layout);
+    if (this.#redraw.draw(this.#figure(sheet, false))) this.#listen();
     // Counts the layout into the cost of this redraw, where it belongs.
     this.#graph.getBoundingClientRect();
     this.#describe(sheet);
-    this.#listen();
-  }
-
-  /**
-   * @param {object[]} data
-   * @param {object} layout
-   */
-  #react(data, layout) {
-    try {
-      library().react(this.#graph, data, layout, CONFIG);
-    } catch (error) {
-      // Half a plot would make every later redraw fail as well.
-      library().purge(this.#graph);
-      this.#listening = false;
-      throw error;
-    }
   }
 
   /**
@@ -175,10 +125,10 @@ export class Canvas {
   }
 
   #listen() {
-    if (this.#listening) return;
-    this.#listening = true;
     const graph = /** @type {any} */ (this.#graph);
-    graph.on('plotly_relayout', (/** @type {object} */ report) => this.#on.zoom(report));
+    graph.on('plotly_relayout', (/** @type {object} */ report) => {
+      if (!this.#gestures.vertical) this.#on.zoom(report);
+    });
   }
 
   /** @param {string} text */

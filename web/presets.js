@@ -8,7 +8,6 @@ import {placeAt} from './menu.js';
 import {same} from './merge_patch.js';
 
 /** @typedef {import('./api.js').Preset} Preset */
-/** @typedef {import('./api.js').ApiError} ApiError */
 /** @typedef {import('./notices.js').Tell} Tell */
 
 /** Presets of the live session. */
@@ -122,18 +121,20 @@ export class Presets {
       {name: 'description', label: 'What to look at', value: experiment.description, long: true,
         length: 4000},
     ];
-    let refused = '';
-    ask('Save as preset', questions, 'Save', async ({name, title, description}, {relabel}) => {
-      await this.#describe(title, description);
-      try {
-        await this.#api.savePreset(name.trim(), {overwrite: refused === name});
-      } catch (error) {
-        const conflict = /** @type {ApiError} */ (error).status === 409;
-        if (!conflict || !await this.#isOwn(name.trim())) throw error;
-        refused = name;
+    let agreed = '';
+    ask('Save as preset', questions, 'Save', async ({name: typed, ...about}, {relabel}) => {
+      const name = typed.trim();
+      const there = (await this.#api.listPresets()).find((one) => one.name === name);
+      if (there?.shipped) {
+        throw new Error(`${name} ships with Slidetune and is read-only: choose another name.`);
+      }
+      if (there && agreed !== name) {
+        agreed = name;
         relabel('Overwrite');
         throw new Error(`There is a preset ${name} of yours already. Overwrite it?`);
       }
+      await this.#describe(about.title, about.description);
+      await this.#api.savePreset(name, {overwrite: Boolean(there)});
       this.#tell(`Saved as ${name}.`);
     });
   }
@@ -146,12 +147,6 @@ export class Presets {
     const {experiment} = this.#api;
     if (experiment.title === title && experiment.description === description) return;
     await this.#history.change({title, description}, 'title and description');
-  }
-
-  /** @param {string} name */
-  async #isOwn(name) {
-    const presets = await this.#api.listPresets();
-    return presets.some((preset) => preset.name === name && !preset.shipped);
   }
 
   /** @param {string} name */

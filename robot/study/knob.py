@@ -70,7 +70,7 @@ def knobs(experiment: Experiment, lane: str) -> list[Knob]:
         extra = info.json_schema_extra
         if not isinstance(extra, dict) or "minimum" not in extra or extra.get("odd"):
             continue
-        low, high = float(extra["minimum"]), float(extra["maximum"])  # type: ignore[arg-type]
+        low, high = float(extra["minimum"]), float(extra["maximum"])
         logarithmic = extra.get("scale") == "log"
         found.append(Knob(lane, name, getattr(gains, name), low, high, logarithmic))
     return found

@@ -19,10 +19,10 @@ REFUSED: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}, 422: {"
 class Fork(Strict):
     """Where to branch off, and into what."""
 
-    time: float = Field(ge=0.0, allow_inf_nan=False, description="Simulated time to go back to [s].")
+    time: float = Field(ge=0.0, allow_inf_nan=False, description="Time to go back to [s].")
     origin: str = Field(description="The lane whose past the new one continues.")
     name: LaneName = Field(description="Name of the new lane.")
-    gains: dict[str, Any] = Field({}, description="What the new lane has otherwise than its origin.")
+    gains: dict[str, Any] = Field({}, description="What it has otherwise than its origin.")
 
 
 class Look(Strict):

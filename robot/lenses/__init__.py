@@ -1,0 +1,68 @@
+"""Lenses: a lane's whole run, looked at so that it explains itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from robot.errors import FieldError, InvalidExperimentError
+from robot.experiment import Experiment
+from robot.lenses import chattering, network_view, sliding_mode
+from robot.lenses.screen import document
+from robot.packed import Packed, pack
+from robot.response import only_lane
+from robot.simulate import LaneRun, simulate
+
+Lens = Callable[[Packed, str, LaneRun], Any]
+
+LENSES: dict[str, Lens] = {
+    "sliding": sliding_mode.look,
+    "network": network_view.look,
+    "chattering": chattering.look,
+}
+"""Every lens by name; each returns a dataclass of arrays, or ``None`` where it has no object."""
+
+
+def only_known_lane(experiment: Experiment, lane: str) -> Experiment:
+    """Return the experiment with one of its lanes alone.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane; lists the known ones.
+    """
+    if lane not in experiment.lanes:
+        known = ", ".join(experiment.lanes)
+        text = f"no lane is named {lane}; there are: {known}"
+        raise InvalidExperimentError([FieldError("lane", text, lane)])
+    return only_lane(experiment, lane)
+
+
+def look_through(
+    experiment: Experiment,
+    lane: str,
+    lenses: Sequence[str] = tuple(LENSES),
+    cancelled: Callable[[], bool] | None = None,
+) -> dict[str, Any]:
+    """Run one lane over its horizon and look at it through some lenses.
+
+    Args:
+        experiment: what to run.
+        lane: which lane.
+        lenses: which of ``LENSES``.
+        cancelled: asked now and then; the run stops when it says yes.
+
+    Returns:
+        Plain JSON values: ``horizon`` [s], ``frozen`` (time, joint, cause, or ``None``), and what
+        each lens saw under its name.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane, or the arm can't follow the trajectory.
+        CancelledError: if ``cancelled`` said yes.
+    """
+    alone = only_known_lane(experiment, lane)
+    run = simulate(alone, cancelled=cancelled).lanes[lane]
+    packed, freeze = pack(alone), run.freeze
+    frozen = None
+    if freeze is not None:
+        frozen = {"time": freeze.time, "joint": freeze.joint, "cause": freeze.cause}
+    seen = {name: document(LENSES[name](packed, lane, run)) for name in lenses}
+    return {"horizon": alone.simulation.horizon, "frozen": frozen, **seen}

@@ -1,0 +1,121 @@
+"""The chattering lens: where in frequency the torque lies, and how restless it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robot.metrics import HIGH_FREQUENCY, torque_spectrum, total_variation
+from robot.packed import Packed
+from robot.quantity import JOINTS
+from robot.simulate import LaneRun
+
+Array = np.ndarray
+
+SLICES = 220
+"""Slices of the logarithmic frequency axis; each keeps its greatest value (*ours*)."""
+
+
+@dataclass(frozen=True)
+class ChatteringJoint:
+    """One joint's torque.
+
+    Attributes:
+        density: amplitude density of its torque in [N m/sqrt(Hz)]. Shape (n,).
+        variation: total variation of its torque a second in [N m/s].
+        switches: sign changes of its sliding variable a second.
+        above: effective torque above 50 Hz in [N m], ``None`` where it can't be told.
+    """
+
+    density: Array
+    variation: float
+    switches: float
+    above: float | None
+
+
+@dataclass(frozen=True)
+class ChatteringView:
+    """What the chattering lens shows; the figures of all joints are those of ``run.metrics``.
+
+    Attributes:
+        limit: frequency in [Hz] above which torque counts as chattering.
+        frequency: frequencies of the densities in [Hz], without 0. Shape (n,).
+        joints: the six joints.
+        variation: total variation of all joints in [N m/s].
+        switches: sign changes of all sliding variables a second.
+        above: effective torque above 50 Hz, root sum of squares over the joints in [N m].
+        mae: mean absolute error over all joints in [rad].
+        max_error: greatest error in [rad].
+    """
+
+    limit: float
+    frequency: Array
+    joints: tuple[ChatteringJoint, ...]
+    variation: float
+    switches: float
+    above: float | None
+    mae: float
+    max_error: float
+
+
+def switches_per_second(sliding: Array, period: float) -> Array:
+    """Return how often a second each sliding variable changes its sign; zeros are passed over.
+
+    Args:
+        sliding: sliding variables in [rad/s]. Shape (n, 6).
+        period: time between two rows in [s].
+
+    Returns:
+        Changes a second. Shape (6,).
+    """
+    if len(sliding) < 2:
+        return np.zeros(sliding.shape[1])
+    counts = []
+    for column in sliding.T:
+        signs = np.sign(column[column != 0.0])
+        counts.append(np.count_nonzero(np.diff(signs)))
+    return np.array(counts) / ((len(sliding) - 1) * period)
+
+
+def _slices(frequency: Array, density: Array) -> tuple[Array, Array]:
+    """Keep the greatest density of each slice of a decade, so that no peak is lost."""
+    place = np.log(frequency / frequency[0]) / max(np.log(frequency[-1] / frequency[0]), 1e-12)
+    starts = np.unique(np.searchsorted(place, np.linspace(0.0, 1.0, SLICES + 1)[:-1]))
+    return frequency[starts], np.maximum.reduceat(density, starts, axis=0)
+
+
+def look(packed: Packed, name: str, run: LaneRun) -> ChatteringView:
+    """Look at a lane's run through the chattering lens.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        run: what it did.
+    """
+    rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
+    period = packed.experiment.simulation.row_period
+    torque, metrics = run.tau[:rows], run.metrics
+    switches = switches_per_second(run.S[:rows], period)
+    spectrum = torque_spectrum(torque, period)
+    frequency, density = np.empty(0), np.empty((0, JOINTS))
+    above: list[float | None] = [None] * JOINTS
+    if spectrum is not None:
+        frequency, power = spectrum
+        high = power[frequency >= HIGH_FREQUENCY].sum(axis=0) * frequency[1]
+        above = np.sqrt(high).tolist()
+        frequency, density = _slices(frequency[1:], np.sqrt(power[1:]))
+    joints = tuple(
+        ChatteringJoint(
+            density=density[:, j],
+            variation=total_variation(torque[:, j : j + 1], period),
+            switches=float(switches[j]),
+            above=above[j],
+        )
+        for j in range(JOINTS)
+    )
+    return ChatteringView(
+        limit=HIGH_FREQUENCY, frequency=frequency, joints=joints, variation=metrics.chattering,
+        switches=float(switches.sum()), above=metrics.high_frequency_torque,
+        mae=float(np.mean(metrics.mae)), max_error=float(np.max(metrics.max_error)),
+    )

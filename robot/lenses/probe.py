@@ -1,0 +1,91 @@
+"""A lane's law asked at states of our choice, through its own kernel."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from robot.disturbance import SENSOR, external_torque
+from robot.equivalent_control import equivalent_control
+from robot.laws import LAWS
+from robot.packed import Packed
+from robot.quantity import JOINTS
+from robot.trajectory import QUINTIC
+from robot.workspace import (
+    CURRENT,
+    RECORD_COLUMNS,
+    S_E,
+    S_V,
+    TAU,
+    WORK_ROWS,
+    F,
+    Q,
+    S,
+    V,
+)
+
+Array = np.ndarray
+
+
+class Probe:
+    """One lane's law, with a workspace of its own.
+
+    Sensor noise is off: what is asked is what the law says, not what it measured.
+    """
+
+    def __init__(self, packed: Packed, name: str) -> None:
+        """Bind the law of the lane ``name``."""
+        self._law = LAWS[packed.experiment.lanes[name].law]
+        self._gains = packed.gains[name]
+        self._trajectory = packed.trajectory
+        self._model = packed.model
+        self._data = packed.model.createData()
+        self._world = packed.world.copy()
+        self._world[SENSOR, :2] = 0.0
+        self._work = np.zeros((WORK_ROWS, JOINTS))
+        self._record = np.zeros((1, RECORD_COLUMNS))
+
+    def _ask(self, t: float, M: Array, nle: Array, trajectory: Array) -> Array:
+        self._law.sample(
+            t, 0.0, 0, 0, M, nle, self._gains, self._world, trajectory, self._work, self._record
+        )
+        return self._work
+
+    def surface(self, e: Array, de: Array) -> tuple[Array, Array, Array]:
+        """Return S and its slopes at an error and a velocity error.
+
+        Args:
+            e: error in [rad]. Shape (6,).
+            de: velocity error in [rad/s]. Shape (6,).
+
+        Returns:
+            S [rad/s], dS/de [1/s] (over the error) and dS/d(de). Shapes (6,).
+        """
+        hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * JOINTS)])
+        self._work[CURRENT + Q], self._work[CURRENT + V] = np.negative(e), np.negative(de)
+        work = self._ask(0.0, np.eye(JOINTS), np.zeros(JOINTS), hold)
+        return work[S].copy(), work[S_E].copy(), work[S_V].copy()
+
+    def needed_torque(self, t: float, q: Array, v: Array) -> Array:
+        r"""Return the torque under which S stands still on the true arm (Eq. 9, corrected, and F).
+
+        .. math:: \tau_{eq} + F = M(\ddot q_d + \nu\,\Gamma^{-1}\dot e) + C\dot q + G + F
+
+        It is what a controller would ask for that knew the arm and the disturbance exactly.
+
+        Args:
+            t: time in [s].
+            q: joint angles in [rad]. Shape (6,).
+            v: joint velocities in [rad/s]. Shape (6,).
+
+        Returns:
+            Torque in [N m]. Shape (6,).
+        """
+        M = pin.crba(self._model, self._data, q).copy()
+        nle = pin.nonLinearEffects(self._model, self._data, q, v).copy()
+        self._work[CURRENT + Q], self._work[CURRENT + V] = q, v
+        work = self._ask(t, M, nle, self._trajectory)
+        equivalent_control(M, nle, work)
+        external_torque(t, CURRENT, self._world, work)
+        needed: Array = work[TAU] + work[F]
+        return needed

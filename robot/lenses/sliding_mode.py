@@ -1,0 +1,180 @@
+"""The sliding-mode lens: the (e, de) plane, the sliding curve and its layer, and V over time.
+
+e = q_d - q and de = v_d - v, everywhere in this project.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from robot.lenses.probe import Probe
+from robot.lenses.screen import evenly_along, every_few
+from robot.packed import Packed
+from robot.quantity import JOINTS
+from robot.response import thinned
+from robot.simulate import LaneRun
+
+Array = np.ndarray
+
+PATH_POINTS = 600
+"""Points of a joint's path in the plane (*ours*)."""
+CURVE_POINTS = 121
+"""Points of a joint's sliding curve; odd, so that one is the origin (*ours*)."""
+ENERGY_ROWS = 20_000
+"""Rows at which V is evaluated at most (*ours*)."""
+
+
+@dataclass(frozen=True)
+class SlidingJoint:
+    """One joint in its plane.
+
+    Attributes:
+        time: time of the path's points in [s]. Shape (n,).
+        e: error along the path in [rad]. Shape (n,).
+        de: velocity error along the path in [rad/s]. Shape (n,).
+        curve_e: error on the sliding curve S = 0 in [rad]. Shape (m,).
+        curve_de: velocity error there in [rad/s]. Shape (m,).
+        layer: boundary layer in [rad/s], 0 where the law has none.
+        layer_width: by how much the curves of S = layer lie beside that of S = 0 in [rad].
+        reaching_time: when S first came within the layer in [s], ``None`` for never.
+        last_outside: when S last was outside the layer in [s], ``None`` for never.
+        inside: share of the time within the layer.
+        time_constant: with which a small error dies on the curve in [s].
+    """
+
+    time: Array
+    e: Array
+    de: Array
+    curve_e: Array
+    curve_de: Array
+    layer: float
+    layer_width: float
+    reaching_time: float | None
+    last_outside: float | None
+    inside: float
+    time_constant: float
+
+
+@dataclass(frozen=True)
+class SlidingView:
+    """What the sliding-mode lens shows.
+
+    Attributes:
+        joints: the six joints.
+        time: time of V in [s], two instants a bucket. Shape (k,).
+        V: half of S^T M S. Shape (k,).
+        dV: its derivative over time. Shape (k,).
+        growing: share of the time in which V grows.
+        growing_outside: the same of the time in which some S is outside its layer; ``None`` where
+            it never is.
+    """
+
+    joints: tuple[SlidingJoint, ...]
+    time: Array
+    V: Array
+    dV: Array
+    growing: float
+    growing_outside: float | None
+
+
+def sliding_curve(packed: Packed, name: str, de: Array) -> Array:
+    """Return the error at which S = 0, for given velocity errors (Eq. 5).
+
+    S is linear in e, so that one evaluation of the law at e = 0 gives it.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        de: velocity errors in [rad/s]. Shape (n, 6).
+
+    Returns:
+        Errors in [rad]. Shape (n, 6).
+    """
+    probe = Probe(packed, name)
+    curve = np.empty_like(de)
+    for row, rate in enumerate(de):
+        S, S_E, _ = probe.surface(np.zeros(JOINTS), rate)
+        curve[row] = -S / S_E
+    return curve
+
+
+def energy(packed: Packed, q: Array, sliding: Array) -> Array:
+    r"""Return how far the arm is from its sliding surfaces (first term of Eq. 23).
+
+    .. math:: V = \tfrac12 S^T M(q) S
+
+    Args:
+        packed: the experiment as numbers; M is that of the true arm.
+        q: joint angles in [rad]. Shape (n, 6).
+        sliding: sliding variables in [rad/s]. Shape (n, 6).
+
+    Returns:
+        V in [J]. Shape (n,).
+    """
+    data, M = packed.model.createData(), np.empty((len(q), JOINTS, JOINTS))
+    for row, angles in enumerate(q):
+        M[row] = pin.crba(packed.model, data, angles)
+    return 0.5 * np.einsum("ni,nij,nj->n", sliding, M, sliding)
+
+
+def _spread(packed: Packed, name: str, run: LaneRun, rows: int) -> tuple[Array, Array, Array]:
+    """Return velocity errors that reach beyond the run and the layer, and both slopes of S."""
+    _, S_E, S_V = Probe(packed, name).surface(np.zeros(JOINTS), np.zeros(JOINTS))
+    reach = 1.4 * np.max(np.abs(run.de[:rows]), axis=0)
+    reach = np.maximum(np.maximum(reach, 1.6 * run.layer / S_V), 1e-9)
+    # Denser about the origin, where the terminal term bends the curve.
+    share = np.linspace(-1.0, 1.0, CURVE_POINTS)
+    return (share * np.abs(share))[:, None] * reach, S_E, S_V
+
+
+def _share(chosen: Array) -> float:
+    return float(np.mean(chosen)) if len(chosen) else 0.0
+
+
+def look(packed: Packed, name: str, run: LaneRun) -> SlidingView:
+    """Look at a lane's run through the sliding-mode lens.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        run: what it did.
+    """
+    rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
+    time, S = run.time[:rows], run.S[:rows]
+    outside = np.abs(S) > run.layer
+    curve_de, S_E, S_V = _spread(packed, name, run, rows)
+    curve_e = sliding_curve(packed, name, curve_de)
+    reaching = run.metrics.reaching_time
+    joints = []
+    for j in range(JOINTS):
+        chosen = evenly_along(run.e[:rows, j], run.de[:rows, j], PATH_POINTS)
+        left = np.flatnonzero(outside[:, j])
+        joints.append(
+            SlidingJoint(
+                time=time[chosen], e=run.e[chosen, j], de=run.de[chosen, j],
+                curve_e=curve_e[:, j], curve_de=curve_de[:, j],
+                layer=float(run.layer[j]), layer_width=float(run.layer[j] / S_E[j]),
+                reaching_time=reaching[j],
+                last_outside=float(time[left[-1]]) if len(left) else None,
+                inside=1.0 - _share(outside[:, j]),
+                time_constant=float(S_V[j] / S_E[j]),
+            )
+        )
+    return SlidingView(tuple(joints), *_growth(packed, run, rows, outside.any(axis=1)))
+
+
+def _growth(
+    packed: Packed, run: LaneRun, rows: int, outside: Array
+) -> tuple[Array, Array, Array, float, float | None]:
+    """Return thinned time, V and dV/dt, and the shares of the time in which V grows."""
+    chosen = every_few(rows, ENERGY_ROWS)
+    time = run.time[chosen]
+    V = energy(packed, run.q[chosen], run.S[chosen])
+    dV = np.gradient(V, time) if len(V) > 1 else np.zeros(len(V))
+    grows, beyond = dV > 0.0, outside[chosen]
+    instants, columns = thinned(time, np.column_stack([V, dV]))
+    growing_outside = _share(grows[beyond]) if beyond.any() else None
+    return instants, columns[0], columns[1], _share(grows), growing_outside

@@ -1,0 +1,200 @@
+"""What a lesson says in numbers, each of which a run can confirm or deny."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from robot.experiment import Experiment
+from robot.metrics import Metrics
+from robot.network import NODES, NetworkGains
+from robot.packed import pack
+from robot.quantity import JOINTS, Section, refusal
+from robot.simulate import LaneRun, Run
+from robot.stability import margin_limit, worst_margin
+
+Array = np.ndarray
+
+Metric = Literal[
+    "mean_error", "max_error", "error_at", "reaching_time", "peak_torque", "chattering",
+    "high_frequency_torque", "flange_rms", "flange_max", "sampling_margin", "margin_limit",
+    "time_constant", "integral_gain", "least_gaussian", "integrator_gap",
+]
+
+LOOSEST = 0.025
+"""Greatest relative error of a number that a lesson quotes (*ours*)."""
+
+Bound = Literal["about", "at_least", "at_most"]
+BOUNDS: tuple[Bound, ...] = ("about", "at_least", "at_most")
+
+
+class Claim(Section):
+    """One number of a lesson: what a run of the step's experiment has to show."""
+
+    name: str = Field(pattern=r"[a-z][a-z0-9_]*", description="By which texts quote it.")
+    metric: Metric
+    lane: str
+    joint: int | None = Field(None, ge=1, le=JOINTS, description="None: the mean of all joints.")
+    since: float = Field(0.0, ge=0.0, description="Begin of what is measured [s].")
+    at: float | None = Field(None, ge=0.0, description="Instant of ``error_at`` [s].")
+    than: str = Field("", description="Another claim: this one is how many times as great.")
+    about: float | None = Field(None, description="As exact as it is written.")
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _one_bound(self) -> Claim:
+        given = [name for name in BOUNDS if getattr(self, name) is not None]
+        if len(given) != 1:
+            text = f"needs exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
+            raise refusal("name", self.name, text)
+        if (self.metric == "error_at") != (self.at is not None):
+            raise refusal("at", self.at, "error_at needs an instant in [s], and nothing else does")
+        return self
+
+    @property
+    def bound(self) -> Bound:
+        """Which of the three bounds is given."""
+        return next(name for name in BOUNDS if getattr(self, name) is not None)
+
+    @property
+    def quoted(self) -> float:
+        """The number as texts quote it, in ``unit``."""
+        return float(getattr(self, self.bound))
+
+    @property
+    def unit(self) -> str:
+        """Unit in which it is quoted, empty for none."""
+        return "times" if self.than else METRICS[self.metric].unit
+
+    def holds(self, measured: float) -> bool:
+        """Whether a measured value confirms it."""
+        if self.bound == "at_least":
+            return measured >= self.quoted
+        if self.bound == "at_most":
+            return measured <= self.quoted
+        exponent = Decimal(repr(self.quoted)).normalize().as_tuple().exponent
+        written = 0.5 * 10.0 ** int(exponent)
+        return abs(measured - self.quoted) <= min(written, LOOSEST * abs(self.quoted)) * (1 + 1e-9)
+
+
+@dataclass(frozen=True)
+class Look:
+    """Where a metric looks: one lane of one run."""
+
+    run: Run
+    claim: Claim
+
+    @property
+    def lane(self) -> LaneRun:
+        """What the lane did."""
+        return self.run.lanes[self.claim.lane]
+
+    @property
+    def gains(self) -> Any:
+        """The lane's section of the experiment."""
+        return self.run.experiment.lanes[self.claim.lane]
+
+    @property
+    def figures(self) -> Metrics:
+        """The lane's figures since ``claim.since``."""
+        return self.lane.metrics_since(self.claim.since)
+
+    def of_joint(self, values: object) -> float:
+        """Return the claim's joint of one or six values, or the mean of all."""
+        six = np.broadcast_to(np.asarray(values, dtype=float), JOINTS)
+        return float(six.mean() if self.claim.joint is None else six[self.claim.joint - 1])
+
+
+@dataclass(frozen=True)
+class LessonMetric:
+    """Something that a claim can be about.
+
+    Attributes:
+        unit: unit of the value, empty for none.
+        value: works it out.
+    """
+
+    unit: str
+    value: Callable[[Look], float]
+
+
+def _error_at(look: Look) -> float:
+    row = int(np.argmin(np.abs(look.run.time - (look.claim.at or 0.0))))
+    return 1e3 * look.of_joint(np.abs(look.lane.e[row]))
+
+
+def _reaching_time(look: Look) -> float:
+    """Return when S came within the boundary layer, infinite where it never did."""
+    return look.of_joint([np.inf if t is None else t for t in look.figures.reaching_time])
+
+
+def _high_frequency_torque(look: Look) -> float:
+    value = look.figures.high_frequency_torque
+    return np.nan if value is None else value
+
+
+def _only_lane(look: Look) -> Experiment:
+    name = look.claim.lane
+    return look.run.experiment.model_copy(update={"lanes": {name: look.gains}})
+
+
+def _sampling_margin(look: Look) -> float:
+    return worst_margin(pack(_only_lane(look)), look.claim.lane)
+
+
+def _gaussians(gains: NetworkGains, error: Array) -> Array:
+    """Return h of every node (Eq. 19) at one error a joint. Shape (10, 6)."""
+    distance = error - gains.centers()[:, None]
+    return np.asarray(np.exp(-0.5 * np.square(distance / np.asarray(gains.width))))
+
+
+def _least_gaussian(look: Look) -> float:
+    worst = np.abs(look.lane.e).max(axis=0)
+    return look.of_joint(_gaussians(look.gains, worst).min(axis=0))
+
+
+def _integral_gain(look: Look) -> float:
+    r"""Return :math:`\varphi\sum_j h_j^2`: how fast f follows S near e = 0."""
+    squares = np.square(_gaussians(look.gains, np.zeros(JOINTS))).sum(axis=0)
+    return look.of_joint(np.asarray(look.gains.learning_rate) * squares)
+
+
+def _integrator_gap(look: Look) -> float:
+    r"""Return how far f is from :math:`10\,\varphi\int S\,dt`, in percent of its greatest value."""
+    period, S = look.run.time[1], look.lane.S
+    integral = np.vstack([np.zeros(JOINTS), np.cumsum(0.5 * period * (S[1:] + S[:-1]), axis=0)])
+    gap = np.abs(look.lane.f - NODES * np.asarray(look.gains.learning_rate) * integral)
+    return 100.0 * look.of_joint(gap.max(axis=0)) / look.of_joint(np.abs(look.lane.f).max(axis=0))
+
+
+METRICS: dict[Metric, LessonMetric] = {
+    "mean_error": LessonMetric("mrad", lambda look: 1e3 * look.of_joint(look.figures.mae)),
+    "max_error": LessonMetric("mrad", lambda look: 1e3 * look.of_joint(look.figures.max_error)),
+    "error_at": LessonMetric("mrad", _error_at),
+    "reaching_time": LessonMetric("s", _reaching_time),
+    "peak_torque": LessonMetric("N·m", lambda look: look.of_joint(look.figures.peak_torque)),
+    "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering),
+    "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque),
+    "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms),
+    "flange_max": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_max),
+    "sampling_margin": LessonMetric("", _sampling_margin),
+    "margin_limit": LessonMetric("", lambda look: margin_limit(look.run.experiment.simulation)),
+    "time_constant": LessonMetric(
+        "s", lambda look: look.of_joint(np.divide(look.gains.c, look.gains.nu))
+    ),
+    "integral_gain": LessonMetric("N·m/rad", _integral_gain),
+    "least_gaussian": LessonMetric("", _least_gaussian),
+    "integrator_gap": LessonMetric("%", _integrator_gap),
+}
+"""What a claim can be about, by name."""
+
+
+def measured(claim: Claim, run: Run) -> float:
+    """Return what a run shows for a claim, in the metric's unit, before any ``than``."""
+    return METRICS[claim.metric].value(Look(run, claim))

@@ -1,0 +1,59 @@
+"""Lenses over HTTP: one lane's whole run, looked at so that it explains itself."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Body, Request, Response
+from fastapi.responses import JSONResponse
+from pydantic import Field
+
+from robot.lenses import LENSES, look_through, only_known_lane
+from server.contract import ErrorAnswer, Strict
+from server.disconnect import until_gone
+from server.studio import Studio
+
+LensName = Literal["sliding", "network", "chattering"]
+ANSWERS: dict[int | str, dict[str, Any]] = {
+    200: {"description": "``revision``, ``lane``, ``horizon``, ``frozen`` and what each lens saw."},
+    204: {"description": "The client has left."},
+    422: {"model": ErrorAnswer},
+    503: {"model": ErrorAnswer},
+}
+
+
+class LensRequest(Strict):
+    """Which lane to look at, and through what."""
+
+    lane: str = Field(examples=["RBFNN-NFTSM"])
+    patch: dict[str, Any] = Field(
+        {}, description="Merge patch to the live experiment, such as another switching function."
+    )
+    lenses: list[LensName] = Field(
+        list(LENSES), description="Each of them once.", min_length=1, max_length=len(LENSES)
+    )
+
+
+def lens_router(studio: Studio) -> APIRouter:
+    """Return the route of the lenses."""
+    router = APIRouter(prefix="/api", tags=["lenses"])
+
+    @router.post("/lens", response_class=JSONResponse, responses=ANSWERS)
+    async def lens(request: Request, wanted: Annotated[LensRequest, Body()]) -> Response:
+        """Run one lane over its horizon beside the live session and look at it.
+
+        ``sliding``: each joint's (e, de) plane with its sliding curve, and V over time.
+        ``network``: the Gaussians over the inputs visited, the weights, and f beside the torque
+        that an exact model would have needed; ``null`` without a network.
+        ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
+        """
+        revision = studio.document.revision
+        experiment = only_known_lane(studio.experiment_of(None, wanted.patch), wanted.lane)
+        work = studio.workers.run(look_through, experiment, wanted.lane, wanted.lenses)
+        seen = await until_gone(request, work)
+        if seen is None:
+            return Response(status_code=204)
+        # Strict: what is no number has become null on the way, and anything else would raise.
+        return JSONResponse({"revision": revision, "lane": wanted.lane, **seen})
+
+    return router

@@ -1,0 +1,201 @@
+"""The linearly implicit step: its algebra, its order, its torque limits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robot.experiment import Experiment
+from robot.implicit_step import (
+    MAX_ANGLE,
+    MAX_VELOCITY,
+    accept,
+    implicit_step,
+    solve,
+    within_bounds,
+)
+from robot.quantity import JOINTS
+from robot.simulate import simulate
+from robot.workspace import (
+    AD,
+    CURRENT,
+    F_SLOPE,
+    FLAGS,
+    FULL,
+    GAIN,
+    HALF,
+    HELD,
+    HIDDEN,
+    LEAKAGE,
+    LEARNING,
+    MATRIX,
+    NETWORK,
+    NETWORK_SLOPE,
+    NODES,
+    RIGHT,
+    S_E,
+    S_V,
+    SHAPE,
+    STATE_ROWS,
+    TAU,
+    VD,
+    WORK_ROWS,
+    F,
+    Q,
+    S,
+    V,
+    W,
+)
+
+Array = np.ndarray
+FREE = np.full(JOINTS, np.inf)
+LAWS: dict[str, dict[str, Any]] = {
+    "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},
+    "soft": {"law": "rbfnn_nftsm", "k1": 20.0, "k2": 20.0, "leakage": 1.0},
+    "RBFNN-SMC": {"law": "rbfnn_smc"},
+    "NFTSM": {"law": "nftsm"},
+    "shaped": {"law": "nftsm", "inertia_shaped": True},
+    "SMC": {"law": "smc"},
+    "computed torque": {"law": "computed_torque"},
+}
+
+
+def inertia(random: np.random.Generator) -> Array:
+    root = random.normal(size=(JOINTS, JOINTS))
+    return root @ root.T + 0.01 * np.eye(JOINTS)
+
+
+def evaluation(seed: int, shaped: bool = False) -> tuple[Array, Array, Array]:
+    """Return a workspace as a law might leave it, an inertia, and a bias torque."""
+    random = np.random.default_rng(seed)
+    work = random.normal(size=(WORK_ROWS, JOINTS))
+    for row in (S_V, S_E, GAIN, F_SLOPE, LEARNING, LEAKAGE):
+        work[row] = random.uniform(0.1, 20.0, JOINTS)
+    hidden = work[HIDDEN : HIDDEN + NODES]
+    weights = work[CURRENT + W : CURRENT + W + NODES]
+    work[NETWORK] = (hidden * weights).sum(axis=0)
+    work[NETWORK_SLOPE] = work[LEARNING] * (hidden**2).sum(axis=0)
+    M = inertia(random)
+    work[FLAGS, 0] = float(shaped)
+    work[SHAPE : SHAPE + JOINTS] = inertia(random) if shaped else np.nan
+    return work, M, random.normal(size=JOINTS)
+
+
+def published_step(work: Array, M: Array, bias: Array, h: float) -> Array:
+    """Solve the documented equation of one step, written with matrices."""
+    shaped = work[FLAGS, 0] != 0.0
+    share = work[SHAPE : SHAPE + JOINTS] if shaped else np.eye(JOINTS)
+    D, K = share * (work[GAIN] * work[S_V]), share * (work[GAIN] * work[S_E])
+    B, H = np.diag(work[F_SLOPE]), work[NETWORK_SLOPE]
+    s_v, s_e, lag = work[S_V], work[S_E], work[VD] - work[V]
+    left = M + h * (D + B) + h**2 * (K + np.diag(H * s_v)) + h**3 * np.diag(H * s_e)
+    right = work[TAU] - bias - work[F] + h * (D @ work[AD] + K @ lag)
+    right += h * H * (work[S] + h * (s_v * work[AD] + s_e * lag))
+    right -= h * work[LEAKAGE] * work[NETWORK]
+    return np.linalg.solve(left, right)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_elimination_solves(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    work = np.zeros((WORK_ROWS, JOINTS))
+    matrix, right = inertia(random) + np.diag(random.uniform(0, 9, 6)), random.normal(size=JOINTS)
+    work[MATRIX : MATRIX + JOINTS], work[RIGHT] = matrix, right
+    solve(work)
+    np.testing.assert_allclose(work[RIGHT], np.linalg.solve(matrix, right), rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("shaped", [False, True])
+@pytest.mark.parametrize("h", [1e-4, 1e-3, 5e-3])
+def test_step_is_the_documented_equation(h: float, shaped: bool) -> None:
+    for seed in range(20):
+        work, M, bias = evaluation(seed, shaped)
+        before, a = work.copy(), published_step(work, M, bias, h)
+        implicit_step(h, CURRENT, FULL, M, bias, FREE, work)
+        v = before[V] + h * a
+        s = before[S] + h * (before[S_V] * (before[AD] - a) + before[S_E] * (before[VD] - v))
+        weights = before[W : W + NODES]
+        learned = before[LEARNING] * before[HIDDEN : HIDDEN + NODES] * s
+        learned -= before[LEAKAGE] * weights
+        np.testing.assert_allclose(work[FULL + V], v, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(work[FULL + Q], before[Q] + h * v, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(
+            work[FULL + W : FULL + W + NODES], weights + h * learned, rtol=1e-6, atol=1e-8
+        )
+        np.testing.assert_array_equal(work[:STATE_ROWS], before[:STATE_ROWS])
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_torque_limits_hold_at_the_end_of_the_step(seed: int) -> None:
+    h, limits = 1e-3, np.array([5.0, 1.0, 3.0, 0.5, 0.2, 0.1])
+    work, M, bias = evaluation(seed)
+    work[TAU] *= 20.0
+    before = work.copy()
+    implicit_step(h, CURRENT, FULL, M, bias, limits, work)
+    a = (work[FULL + V] - before[V]) / h
+    torque = M @ a + bias + before[F] + h * before[F_SLOPE] * a
+    free = before[HELD] * 0.0 == work[HELD]
+    assert (np.abs(torque) <= limits + 1e-7).all()
+    np.testing.assert_allclose(torque[~free], (work[HELD] * limits)[~free], atol=1e-7)
+
+
+def test_wide_limits_change_nothing() -> None:
+    work, M, bias = evaluation(3)
+    other = work.copy()
+    implicit_step(1e-3, CURRENT, FULL, M, bias, FREE, work)
+    implicit_step(1e-3, CURRENT, FULL, M, bias, np.full(JOINTS, 1e9), other)
+    np.testing.assert_array_equal(work[FULL:HALF], other[FULL:HALF])
+
+
+def error_of(lane: dict[str, Any], scheme: str, step: float) -> float:
+    """Return the greatest difference of the angles from a run at a twentieth of the step."""
+
+    def angles(scheme: str, step: float) -> Array:
+        simulation = {"step": step, "scheme": scheme, "horizon": 0.4}
+        document = {"lanes": {"A": lane}, "simulation": simulation}
+        run = simulate(Experiment.from_document(document))
+        return run.lanes["A"].q[:: round(0.02 / step)]
+
+    return float(np.abs(angles(scheme, step) - angles("extrapolated", 1e-4)).max())
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_plain_scheme_is_of_first_order(name: str) -> None:
+    ratio = error_of(LAWS[name], "plain", 0.002) / error_of(LAWS[name], "plain", 0.001)
+    assert 1.7 < ratio < 2.3
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_extrapolated_scheme_is_of_second_order(name: str) -> None:
+    coarse, fine = (error_of(LAWS[name], "extrapolated", step) for step in (0.002, 0.001))
+    assert 3.3 < coarse / fine < 4.7
+
+
+def test_extrapolation_cancels_the_first_order() -> None:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    work[FULL:HALF], work[HALF : HALF + STATE_ROWS] = 3.0, 2.0
+    assert accept(True, work) == 0
+    assert (work[CURRENT : CURRENT + STATE_ROWS] == 1.0).all()
+
+
+@pytest.mark.parametrize(
+    ("row", "value"),
+    [
+        (Q, 1.01 * MAX_ANGLE), (Q, -1.01 * MAX_ANGLE), (V, 1.01 * MAX_VELOCITY), (Q, np.nan),
+        (V, np.inf), (V, -np.inf), (W, np.nan), (W + NODES - 1, np.inf),
+    ],
+)
+@pytest.mark.parametrize("joint", [0, 5])
+def test_a_state_out_of_bounds_is_refused_and_the_current_one_kept(
+    row: int, value: float, joint: int
+) -> None:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    work[CURRENT + Q] = 0.5
+    assert within_bounds(CURRENT, work) == 0
+    work[FULL + row, joint] = value
+    assert within_bounds(FULL, work) == joint + 1
+    assert accept(False, work) == joint + 1
+    assert (work[CURRENT + Q] == 0.5).all()
+    assert (work[CURRENT + V : FULL] == 0.0).all()
