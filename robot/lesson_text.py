@@ -51,12 +51,19 @@ def written(value: object, unit: str = "") -> str:
         return written(value[0], unit) if len(set(value)) == 1 else _list(value, unit)
     if not isinstance(value, int | float):
         return str(value)
+    if unit == "mrad" and abs(value) >= 100:
+        return written(value / 1000, "rad")
     text = f"{value:,.10g}" if abs(value) >= 10_000 else f"{value:.10g}"
-    return f"{text.replace('-', '−')}{unit and chr(0xA0) + unit}"
+    return text.replace("-", "−") + _with_blank(unit)
 
 
 def _list(values: tuple[float, ...], unit: str) -> str:
-    return f"{', '.join(written(value) for value in values)}{unit and chr(0xA0) + unit}"
+    return ", ".join(written(value) for value in values) + _with_blank(unit)
+
+
+def _with_blank(unit: str) -> str:
+    """Return a unit behind a blank that doesn't break; 4 1/s would read as a sum."""
+    return unit and f"\u00a0{'s⁻¹' if unit == '1/s' else unit}"
 
 
 def _setting(experiment: Experiment, path: str) -> tuple[Any, Mapping[str, Any], str]:
@@ -170,7 +177,7 @@ class LessonText:
         step, loaded = self._loaded.lesson.steps[index], self._loaded
         known = {} if step.preset else {"changes": self._changes(index)}
         return {
-            "title": step.title,
+            "title": self.filled(index, step.title, "title"),
             "text": self.paragraphs(index, step.text),
             "preset": loaded.presets[index],
             "fresh": bool(step.preset),

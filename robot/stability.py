@@ -199,7 +199,7 @@ def _surface(packed: Packed, name: str) -> Iterator[Note]:
         "info",
         f"lanes.{name}.nu",
         f"On the surface the error dies with c/ν = {constant:.3g} s, longer than the horizon of "
-        f"{horizon:g} s: it hardly converges. ν = {nearest:g} 1/s would make it a third of it.",
+        f"{horizon:g} s: it hardly converges. Try ν = {nearest:g} 1/s.",
         {"lanes": {name: {"nu": min(nearest, 100.0)}}},
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +18,12 @@ STRONGEST = 200.0
 PATIENCE = 10.0
 """How long a handle may be held without moving in [s] (*ours*): a browser doesn't always say that
 the pointer has let go."""
-ARROW_COLOR = (224, 62, 82)
+ARROW_COLOR = (204, 34, 58)
 """*Ours*: a red that no lane has."""
+ARROW_HEAD = 0.045
+"""Length of the arrow's head in [m] (*ours*); a pull that would be drawn shorter has no arrow."""
+FARTHEST = 10.0
+"""How far from the base a handle is believed to be in [m] (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +56,16 @@ class Gizmo:
     order of its messages. They meet in one attribute that is replaced as a whole.
     """
 
-    def __init__(self, viewer: viser.ViserServer) -> None:
-        """Add the handle and its arrow."""
+    def __init__(
+        self, viewer: viser.ViserServer, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Add the handle and its arrow.
+
+        Args:
+            viewer: where.
+            clock: says the time in [s].
+        """
+        self._clock = clock
         self._flange = np.zeros(3)
         self._hold: _Hold | None = None
         self._handle = viewer.scene.add_transform_controls(
@@ -70,7 +83,7 @@ class Gizmo:
             ARROW_COLOR,
             shaft_radius=0.006,
             head_radius=0.016,
-            head_length=0.045,
+            head_length=ARROW_HEAD,
             visible=False,
         )
         self._handle.on_update(self._dragged)
@@ -86,14 +99,16 @@ class Gizmo:
         force = self.force()
         if force is None:
             self._handle.position = flange
-        else:
-            self._arrow.points = np.array([[flange, flange + force / STIFFNESS]])
-        self._arrow.visible = force is not None
+        arrow = np.zeros(3) if force is None else force / STIFFNESS
+        seen = float(np.linalg.norm(arrow)) > ARROW_HEAD
+        if seen:
+            self._arrow.points = np.array([[flange, flange + arrow]])
+        self._arrow.visible = seen
 
     def force(self) -> Array | None:
         """Return the force on the flange in [N] while the handle is held, else ``None``."""
         hold = self._hold
-        if hold is None or time.monotonic() - hold.heard > PATIENCE:
+        if hold is None or self._clock() - hold.heard > PATIENCE:
             return None
         return spring_force(hold.target, self._flange)
 
@@ -103,8 +118,10 @@ class Gizmo:
         if event.phase == "end":
             self._let_go(event.client_id)
         elif mine and event.client_id is not None:
-            target = np.array(event.target.position)
-            self._hold = _Hold(event.client_id, target, time.monotonic())
+            target = np.array(event.target.position, dtype=float)
+            # A browser sends what it likes; nan fails the comparison too.
+            if target.shape == (3,) and (np.abs(target) < FARTHEST).all():
+                self._hold = _Hold(event.client_id, target, self._clock())
 
     async def _left(self, client: viser.ClientHandle) -> None:
         self._let_go(client.client_id)

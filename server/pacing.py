@@ -12,7 +12,7 @@ BUSY = 0.7
 """Greatest share of a tick that may go into stepping (*ours*)."""
 WINDOW = 1.0
 """Wall time over which the real-time factor is measured in [s] (*ours*)."""
-LONGEST = 0.1
+LONGEST = 0.25
 """Longest gap between two ticks that is caught up in [s]; a suspended process isn't (*ours*)."""
 
 

@@ -1,7 +1,7 @@
 // @ts-check
 /** The left column: what the experiment is, its lanes, and a control for every number. */
 
-import {element} from './element.js';
+import {element, withIndices} from './element.js';
 import {icon} from './icons.js';
 import {mount as mountLanes} from './lanes.js';
 import {leaves} from './merge_patch.js';
@@ -119,7 +119,7 @@ class Tuning {
     const named = lane === title ? lane : `${lane} · ${title}`;
     const dot = element('span', {class: 'lane-dot'});
     const name = element('h3', {}, dot, element('span', {}, named));
-    return element('header', {class: 'gains-head'}, name, summary && element('p', {}, summary));
+    return element('header', {class: 'gains-head'}, name, summary && element('p', {}, withIndices(summary)));
   }
 
   /** @param {{author: string, patch: any}} message */

@@ -38,6 +38,19 @@ export function freshId(stem) {
 }
 
 /**
+ * Text with its symbols' indices below the line, such as the p of `k_p`.
+ *
+ * @param {string} text
+ * @returns {HTMLElement}
+ */
+export function withIndices(text) {
+  const parts = text.split(/(?<=\p{L})_(\p{L}+)/u);
+  return element('span', {}, ...parts.map((part, at) => (
+    at % 2 ? element('sub', {}, part) : part
+  )));
+}
+
+/**
  * A quantity's symbol: what follows an underscore goes below the line.
  *
  * @param {string} text such as `τ_max`

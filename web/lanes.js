@@ -130,7 +130,7 @@ class LaneList {
     const reset = element('button', {
       class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
     }, icon('reset'), 'Reset');
-    cause.replaceChildren(icon('warning'), element('span', {}, text), reset);
+    cause.replaceChildren(element('span', {class: 'lane-why', title: text}, text), reset);
   }
 
   /** @param {string} law */

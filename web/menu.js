@@ -1,7 +1,7 @@
 // @ts-check
 /** A menu that opens at a button; arrow keys, Home, End, Escape and first letters work. */
 
-import {element} from './element.js';
+import {element, withIndices} from './element.js';
 import {icon} from './icons.js';
 
 /**
@@ -67,7 +67,7 @@ function drawn(entry, close) {
     on: {click: () => { close(); entry.run(); }},
   });
   const mark = entry.checked ? icon('check') : entry.icon && icon(entry.icon);
-  const hint = entry.hint && element('span', {class: 'menu-hint'}, entry.hint);
+  const hint = entry.hint && element('span', {class: 'menu-hint'}, withIndices(entry.hint));
   const text = element('span', {class: 'menu-text'}, element('span', {}, entry.label), hint);
   if (checkable || mark) button.append(element('span', {class: 'menu-mark'}, mark));
   button.append(text);

@@ -61,7 +61,8 @@ export class Presets {
       list.append(...this.#parts(presets, list));
       list.showPopover();
       placeAt(list, this.button);
-      /** @type {HTMLElement|null} */ (list.querySelector('[aria-current], .preset-load'))?.focus();
+      const first = list.querySelector('[aria-current]') ?? list.querySelector('.preset-load');
+      /** @type {HTMLElement|null} */ (first)?.focus();
     } catch (error) {
       list.remove();
       this.#fail(error);
@@ -172,8 +173,12 @@ export class Presets {
   #fail(error) { this.#tell(/** @type {Error} */ (error).message, {error: true}); }
 }
 
-/** @param {string} text */
-function firstSentence(text) { return /^.*?[.!?](?=\s|$)/s.exec(text)?.[0] ?? text; }
+/**
+ * An abbreviation's full stop has no capital letter after it.
+ *
+ * @param {string} text
+ */
+function firstSentence(text) { return /^.*?[.!?](?=\s+\p{Lu}|\s*$)/su.exec(text)?.[0] ?? text; }
 
 /** @param {string} title */
 function fileName(title) {

@@ -7,7 +7,7 @@ import {icon} from './icons.js';
 /** Without a word from the server for this long, say so. */
 const SILENCE_MS = 3000;
 /** A little less than asked is rounding. */
-const BEHIND = 0.98;
+const BEHIND = 0.97;
 
 /**
  * @param {HTMLElement} place

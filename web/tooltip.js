@@ -1,7 +1,7 @@
 // @ts-check
 /** What a control means: shown on hover and on focus, beside the thing and not over it. */
 
-import {element, symbol} from './element.js';
+import {element, symbol, withIndices} from './element.js';
 import {withUnit, written} from './quantity.js';
 
 /** @typedef {import('./schema.js').Field} Field */
@@ -48,7 +48,7 @@ function content(field) {
     list.append(element('dt', {}, name), element('dd', {}, text));
   }
   const title = element('strong', {}, field.symbol && symbol(field.symbol), ` ${field.title}`);
-  return [title, field.description && element('p', {}, field.description), list];
+  return [title, field.description && element('p', {}, withIndices(field.description)), list];
 }
 
 function hide() {

@@ -87,11 +87,8 @@ def visited_inputs(gains: NetworkGains, run: LaneRun) -> Array:
 
     Shape (n, 6).
     """
-    if gains.network_input == "error":
-        return run.e
-    if gains.network_input == "angle":
-        return run.q
-    return run.q + run.e
+    inputs: dict[str, Array] = {"error": run.e, "angle": run.q, "desired": run.q + run.e}
+    return inputs[gains.network_input]
 
 
 def hidden_outputs(inputs: Array, centers: Array, width: float) -> Array:

@@ -11,18 +11,7 @@ from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.trajectory import QUINTIC
-from robot.workspace import (
-    CURRENT,
-    RECORD_COLUMNS,
-    S_E,
-    S_V,
-    TAU,
-    WORK_ROWS,
-    F,
-    Q,
-    S,
-    V,
-)
+from robot.workspace import CURRENT, RECORD_COLUMNS, S_E, S_V, TAU, WORK_ROWS, F, Q, S, V
 
 Array = np.ndarray
 

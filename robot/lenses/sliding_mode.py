@@ -66,7 +66,7 @@ class SlidingView:
         joints: the six joints.
         time: time of V in [s], two instants a bucket. Shape (k,).
         V: half of S^T M S. Shape (k,).
-        dV: its derivative over time. Shape (k,).
+        V_rate: its derivative over time. Shape (k,).
         growing: share of the time in which V grows.
         growing_outside: the same of the time in which some S is outside its layer; ``None`` where
             it never is.
@@ -75,7 +75,7 @@ class SlidingView:
     joints: tuple[SlidingJoint, ...]
     time: Array
     V: Array
-    dV: Array
+    V_rate: Array
     growing: float
     growing_outside: float | None
 
@@ -117,7 +117,8 @@ def energy(packed: Packed, q: Array, sliding: Array) -> Array:
     data, M = packed.model.createData(), np.empty((len(q), JOINTS, JOINTS))
     for row, angles in enumerate(q):
         M[row] = pin.crba(packed.model, data, angles)
-    return 0.5 * np.einsum("ni,nij,nj->n", sliding, M, sliding)
+    V: Array = 0.5 * np.einsum("ni,nij,nj->n", sliding, M, sliding)
+    return V
 
 
 def _spread(packed: Packed, name: str, run: LaneRun, rows: int) -> tuple[Array, Array, Array]:

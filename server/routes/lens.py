@@ -8,7 +8,7 @@ from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
 from pydantic import Field
 
-from robot.lenses import LENSES, look_through, only_known_lane
+from robot.lenses import look_through, only_known_lane
 from server.contract import ErrorAnswer, Strict
 from server.disconnect import until_gone
 from server.studio import Studio
@@ -30,7 +30,8 @@ class LensRequest(Strict):
         {}, description="Merge patch to the live experiment, such as another switching function."
     )
     lenses: list[LensName] = Field(
-        list(LENSES), description="Each of them once.", min_length=1, max_length=len(LENSES)
+        ["sliding", "network", "chattering"], min_length=1, max_length=3,
+        description="Each costs a little time.",
     )
 
 

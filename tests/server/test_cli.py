@@ -139,6 +139,14 @@ def test_a_run_repeats_from_the_experiment_that_its_json_holds(
     assert experiment_from_yaml(experiment_to_yaml(again.experiment)) == short
 
 
+def test_paper_prints_the_comparison_and_writes_its_page(tmp_path: Path) -> None:
+    done = slidetune("paper", "--html", "paper.html", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "published" in done.stdout
+    assert (tmp_path / "paper.html").stat().st_size > 1e6
+    assert [path.name for path in tmp_path.iterdir()] == ["paper.html"]
+
+
 def test_help_names_every_command(tmp_path: Path) -> None:
     done = slidetune("--help", folder=tmp_path)
     assert done.returncode == 0

@@ -1,0 +1,95 @@
+"""Figures of a lane, against signals whose figures are known."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from robot.metrics import high_frequency_torque, measure_lane, reaching_times, total_variation
+from robot.quantity import JOINTS
+
+Array = np.ndarray
+
+
+def tone(frequency: float, amplitude: float, rate: float, seconds: float = 4.0) -> Array:
+    """Return a torque that swings in joint 1 alone. Shape (n, 6)."""
+    torque = np.zeros((round(rate * seconds), JOINTS))
+    torque[:, 0] = amplitude * np.cos(2.0 * np.pi * frequency * np.arange(len(torque)) / rate + 0.3)
+    return torque
+
+
+def columns(n: int) -> dict[str, Array]:
+    random = np.random.default_rng(3)
+    shapes = {name: (n, JOINTS) for name in ("e", "de", "tau", "S")}
+    shapes |= {"flange": (n, 3), "flange_desired": (n, 3)}
+    return {name: random.normal(size=shape) for name, shape in shapes.items()}
+
+
+def test_total_variation_is_the_way_that_the_torque_goes_in_a_second() -> None:
+    up_and_down = np.zeros((5, JOINTS))
+    up_and_down[:, 0], up_and_down[:, 3] = (0, 1, 0, 1, 0), (0, 0, -2, 0, 0)
+    assert total_variation(up_and_down, 0.5) == pytest.approx((4.0 + 4.0) / 2.0)
+
+
+def test_total_variation_of_a_tone_does_not_depend_on_the_sampling() -> None:
+    for rate in (2000.0, 8000.0):
+        found = total_variation(tone(10.0, 3.0, rate), 1.0 / rate)
+        assert found == pytest.approx(4 * 3.0 * 10.0, rel=0.01)
+
+
+@pytest.mark.parametrize("rate", [250.0, 1000.0, 4000.0])
+@pytest.mark.parametrize("frequency", [60.0, 80.0, 110.0])
+def test_tone_above_fifty_hertz_counts_with_its_effective_value(
+    rate: float, frequency: float
+) -> None:
+    found = high_frequency_torque(tone(frequency, 3.0, rate), 1.0 / rate)
+    assert found == pytest.approx(3.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize("frequency", [0.0, 0.2, 5.0, 35.0])
+def test_tone_below_fifty_hertz_does_not_count(frequency: float) -> None:
+    found = high_frequency_torque(tone(frequency, 1000.0, 1000.0) + 500.0, 1e-3)
+    assert found == pytest.approx(0.0, abs=0.01)
+
+
+def test_joints_add_up_as_squares() -> None:
+    torque = tone(100.0, 3.0, 1000.0)
+    torque[:, 5] = 4.0 / 3.0 * np.roll(torque[:, 0], 3)
+    found = high_frequency_torque(torque, 1e-3)
+    assert found == pytest.approx(5.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize(("rate", "rows"), [(100.0, 1000), (80.0, 1000), (1000.0, 100)])
+def test_chattering_is_unknown_where_it_can_not_be_told(rate: float, rows: int) -> None:
+    assert high_frequency_torque(np.ones((rows, JOINTS)), 1.0 / rate) is None
+
+
+def test_reaching_time_is_the_first_within_the_layer() -> None:
+    time, sliding = np.arange(5) * 0.1, np.full((5, JOINTS), 9.0)
+    sliding[2:, 0], sliding[1, 1], sliding[0, 2], sliding[4, 3] = -0.5, 1.0, 0.0, 1.01
+    found = reaching_times(time, sliding, np.ones(JOINTS))
+    assert found == (pytest.approx(0.2), pytest.approx(0.1), 0.0, None, None, None)
+
+
+def test_figures_are_means_and_maxima_over_the_rows() -> None:
+    time, data = np.arange(400) * 1e-3, columns(400)
+    found = measure_lane(time, data, np.full(JOINTS, 0.01), 0.3)
+    np.testing.assert_allclose(found.mae, np.abs(data["e"]).mean(axis=0))
+    np.testing.assert_allclose(found.max_error, np.abs(data["e"]).max(axis=0))
+    np.testing.assert_allclose(found.max_velocity_error, np.abs(data["de"]).max(axis=0))
+    np.testing.assert_allclose(found.peak_torque, np.abs(data["tau"]).max(axis=0))
+    distance = np.linalg.norm(data["flange"] - data["flange_desired"], axis=1)
+    assert found.flange_max == pytest.approx(distance.max())
+    assert found.flange_rms == pytest.approx(np.sqrt((distance**2).mean()))
+    assert found.chattering == pytest.approx(total_variation(data["tau"], 1e-3))
+    assert found.diverged_at == 0.3
+
+
+@pytest.mark.parametrize("rows", [1, 2, 300])
+def test_figures_are_plain_json_however_short_the_span(rows: int) -> None:
+    found = measure_lane(np.arange(rows) * 1e-3, columns(rows), np.ones(JOINTS))
+    document = json.loads(json.dumps(found.document(), allow_nan=False))
+    assert len(document["mae"]) == len(document["reaching_time"]) == JOINTS
+    assert document["diverged_at"] is None

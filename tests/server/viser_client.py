@@ -1,0 +1,131 @@
+"""A browser's side of Viser without the browser: it keeps what the scene looks like."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Self
+
+import msgspec
+import numpy as np
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
+
+DEADLINE = 20.0  # s, only reached by a test that fails
+
+Message = dict[str, Any]
+
+
+def until(condition: Callable[[], bool], action: Callable[[], object] = lambda: None) -> None:
+    """Repeat `action` until `condition` holds."""
+    end = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < end, "waited too long"
+        action()
+        time.sleep(0.005)
+
+
+def decoded(data: bytes) -> list[Message]:
+    """Return the messages of one of Viser's frames."""
+    size, packed = (int.from_bytes(data[at : at + 8], "little") for at in (0, 8))
+    inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed], size)
+    content = msgspec.msgpack.decode(inner)
+    at, buffers = 16 + packed, []
+    for length in content["binaryBufferLengths"]:
+        at += -at % 8
+        buffers.append(data[at : at + length])
+        at += length
+    return [_filled(message, buffers) for message in content["messages"]]
+
+
+def _filled(value: Any, buffers: list[bytes]) -> Any:
+    if isinstance(value, dict):
+        if "__binary_index" in value:
+            return np.frombuffer(buffers[value["__binary_index"]], dtype=value["dtype"])
+        return {key: _filled(item, buffers) for key, item in value.items()}
+    return value
+
+
+class ViserClient:
+    """Connects like a browser and follows the scene until it is closed.
+
+    Attributes:
+        count: messages received, without those of the connection itself.
+        replayed: how many of them had been kept for newcomers, -1 until all have come.
+        nodes: properties of every node by name.
+        poses: position and orientation wxyz of every node by name.
+        visible: whether each node is shown.
+        others: last message of each other type.
+    """
+
+    def __init__(self, port: int) -> None:
+        self.count, self.replayed = 0, -1
+        self.nodes: dict[str, Message] = {}
+        self.poses: dict[str, Message] = {}
+        self.visible: dict[str, bool] = {}
+        self.others: dict[str, Message] = {}
+        self._socket = connect(
+            f"ws://127.0.0.1:{port}/",
+            subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+            compression=None,
+            max_size=None,
+            proxy=None,
+        )
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        # Viser counts a browser in when it has said where its camera is.
+        numbers = {"fov": 0.7, "near": 0.1, "far": 10.0, "image_height": 700, "image_width": 900}
+        vectors = {"position": (1.0, 1.0, 1.0), "look_at": (0.0,) * 3, "up_direction": (0, 0, 1.0)}
+        self.send("ViewerCameraMessage", wxyz=(1.0, 0.0, 0.0, 0.0), **numbers, **vectors)
+        until(lambda: self.replayed >= 0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._socket.close()
+        self._reader.join()
+
+    def send(self, kind: str, **fields: Any) -> None:
+        self._socket.send(msgspec.msgpack.encode({"type": kind, **fields}))
+
+    def drag(self, phase: str, name: str, position: Any = None) -> None:
+        """Say that the pointer has taken, moved or left a handle."""
+        kinds = {"start": "DragStart", "update": "Update", "end": "DragEnd"}
+        place = {"wxyz": (1.0, 0.0, 0.0, 0.0), "position": tuple(map(float, () if position is None else position))}
+        fields = place if phase == "update" else {}
+        self.send(f"TransformControls{kinds[phase]}Message", name=name, **fields)
+
+    def _read(self) -> None:
+        with suppress(ConnectionClosed):
+            while True:
+                for message in decoded(bytes(self._socket.recv())):  # type: ignore[arg-type]
+                    self._take(message)
+
+    def _take(self, message: Message) -> None:
+        kind, name = message["type"], message.get("name", "")
+        if kind == "ReplayDoneMessage":
+            self.replayed = self.count
+            return
+        self.count += 1
+        if kind == "SceneNodeUpdateMessage":
+            self.nodes[name].update(message["updates"])
+        elif kind == "SetSceneNodeVisibilityMessage":
+            self.visible[name] = message["visible"]
+        elif kind in ("SetPositionMessage", "SetOrientationMessage"):
+            part = "position" if kind == "SetPositionMessage" else "wxyz"
+            self.poses.setdefault(name, {})[part] = np.array(message[part])
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.pop(name)
+        elif "props" in message and name:
+            self.nodes[name] = dict(message["props"])
+        else:
+            self.others[kind] = message
