@@ -69,7 +69,9 @@ class ClosedLoop:
             packed: the new experiment as numbers.
             origins: names of new lanes and of the lanes that they continue.
         """
-        self._since, self._from = self.time, self.number
+        # Only then: otherwise each edit would change the last bit of every later time.
+        if packed.experiment.simulation.row_period != self.period:
+            self._since, self._from = self.time, self.number
         before, self.packed = self.lanes, packed
         gone = [name for name in before if name not in packed.experiment.lanes]
         new = [name for name in packed.experiment.lanes if name not in before]

@@ -12,11 +12,12 @@ from pydantic import Field, model_validator
 
 from robot.experiment import Experiment
 from robot.metrics import Metrics
-from robot.network import NODES, NetworkGains
+from robot.network import NetworkGains
 from robot.packed import pack
 from robot.quantity import JOINTS, Section, refusal
 from robot.simulate import LaneRun, Run
 from robot.stability import margin_limit, worst_margin
+from robot.workspace import NODES
 
 Array = np.ndarray
 
@@ -125,7 +126,7 @@ class LessonMetric:
 
 
 def _error_at(look: Look) -> float:
-    row = int(np.argmin(np.abs(look.run.time - (look.claim.at or 0.0))))
+    row = int(np.searchsorted(look.run.time, (look.claim.at or 0.0) - 1e-9))
     return 1e3 * look.of_joint(np.abs(look.lane.e[row]))
 
 

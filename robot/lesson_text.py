@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from robot.errors import FieldError, InvalidLessonError
@@ -44,7 +44,7 @@ class Change:
 def written(value: object, unit: str = "") -> str:
     """Return a value as people write it: ``2400 N·m/s``, ``160,000 N·m/s``, ``−22.5 N·m``."""
     if isinstance(value, bool):
-        return "on" if value else "off"
+        return "yes" if value else "no"
     if value is None:
         return "off"
     if isinstance(value, tuple):
@@ -91,6 +91,8 @@ def _setting(experiment: Experiment, path: str) -> tuple[Any, Mapping[str, Any],
             node = node[int(part) - 1]
         else:
             raise KeyError(path)
+    if isinstance(node, Mapping | Section):
+        raise KeyError(path)
     return node, extra, title
 
 
@@ -104,9 +106,10 @@ def _leaves(patch: Mapping[str, Any], above: str = "") -> Iterator[str]:
 
 
 def _label(path: str, extra: Mapping[str, Any], title: str) -> str:
-    name = str(extra.get("symbol") or title)
     section, _, rest = path.partition(".")
-    return f"{name} of {rest.rpartition('.')[0]}" if section == "lanes" else name
+    if section != "lanes":
+        return title
+    return f"{extra.get('symbol') or title} of {rest.rpartition('.')[0]}"
 
 
 def changes(before: Experiment, after: Experiment) -> list[Change]:
@@ -118,8 +121,8 @@ def changes(before: Experiment, after: Experiment) -> list[Change]:
             was = _setting(before, path)[0]
         except KeyError:
             return []
-        unit = str(extra.get("unit", ""))
-        found.append(Change(path, _label(path, extra, title), written(was, unit), written(now, unit)))
+        words = [written(value, str(extra.get("unit", ""))) for value in (was, now)]
+        found.append(Change(path, _label(path, extra, title), *words))
     return found if len(found) <= _MOST_CHANGES else []
 
 
@@ -175,14 +178,13 @@ class LessonText:
     def step(self, index: int) -> dict[str, Any]:
         """Return one step as plain values, its texts filled in."""
         step, loaded = self._loaded.lesson.steps[index], self._loaded
-        known = {} if step.preset else {"changes": self._changes(index)}
         return {
             "title": self.filled(index, step.title, "title"),
             "text": self.paragraphs(index, step.text),
             "preset": loaded.presets[index],
             "fresh": bool(step.preset),
             "experiment": loaded.experiments[index].document(),
-            "changes": known.get("changes", []),
+            "changes": [] if step.preset else self._changes(index),
             "lane": step.lane,
             "view": step.view,
             "exaggeration": step.exaggeration,
@@ -192,7 +194,7 @@ class LessonText:
 
     def _changes(self, index: int) -> list[dict[str, str]]:
         before, after = self._loaded.experiments[index - 1 : index + 1]
-        return [vars(change) for change in changes(before, after)]
+        return [asdict(change) for change in changes(before, after)]
 
     def _question(self, index: int, step: Step) -> dict[str, Any] | None:
         question = step.question

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy import signal
 
 Array = np.ndarray
 
@@ -80,6 +79,8 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     rate = 1.0 / period
     if rate <= 2.0 * HIGH_FREQUENCY or len(torque) * period < 0.25:
         return None
+    from scipy import signal  # here, because it takes most of a second to import
+
     segment = min(len(torque), max(256, int(rate)))
     frequency, power = signal.welch(
         torque, rate, window="blackmanharris", nperseg=segment, axis=0, detrend="linear"

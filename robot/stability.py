@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
+from robot.disturbance import LIMIT, SENSOR
 from robot.experiment import MAX_STEPS, Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
@@ -65,7 +66,8 @@ def _evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) 
     nle = pin.nonLinearEffects(model, data, q, v).copy()
     record = np.zeros((1, RECORD_COLUMNS))
     world = packed.world.copy()
-    world[-1, :2] = 0.0
+    # What the law asks for, of the true state, before the joint gives what it can.
+    world[SENSOR, :2], world[LIMIT] = 0.0, np.inf
     law.sample(0.0, 0.0, 0, 0, M, nle, packed.gains[name], world, trajectory, work, record)
     return work
 

@@ -20,6 +20,7 @@ from server.routes.docs import docs_router
 from server.routes.experiment import experiment_router
 from server.routes.history import history_router
 from server.routes.lens import lens_router
+from server.routes.lessons import lessons_router
 from server.routes.live import live_router
 from server.routes.presets import presets_router
 from server.routes.preview import preview_router
@@ -83,6 +84,7 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
     app.include_router(experiment_router(studio))
     app.include_router(presets_router(studio))
     app.include_router(history_router(studio))
+    app.include_router(lessons_router())
     app.include_router(preview_router(studio))
     app.include_router(studies_router(studio))
     app.include_router(lens_router(studio))

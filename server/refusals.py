@@ -17,6 +17,7 @@ from robot.errors import (
     PresetConflictError,
     PresetStorageError,
     SlidetuneError,
+    UnknownLessonError,
     UnknownPresetError,
 )
 from server.errors import error_body
@@ -36,6 +37,7 @@ _CODES = {
 _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (InvalidExperimentError, 422, "invalid"),
     (UnknownPresetError, 404, "unknown_preset"),
+    (UnknownLessonError, 404, "unknown_lesson"),
     (PresetConflictError, 409, "conflict"),
     (PresetStorageError, 507, "storage"),
     (WorkerLostError, 503, "worker_lost"),

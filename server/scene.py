@@ -108,9 +108,11 @@ class Scene:
             ghosts: whether the arms of the other lanes are drawn.
         """
         self._factor, self._ghosts = max(1.0, float(exaggeration)), ghosts
+        exaggerated = self._factor > 1.0
         with self._viewer.atomic():
-            self._label.text = f"deviation \N{MULTIPLICATION SIGN} {self._factor:g}"
-            self._label.visible = self._factor > 1.0
+            self._label.visible = exaggerated
+            if exaggerated:
+                self._label.text = f"deviation \N{MULTIPLICATION SIGN} {self._factor:g}"
 
     def update(self, frame: SceneFrame) -> None:
         """Show the present. Call it while paused too, so that a browser that has just come sees it.

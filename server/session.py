@@ -65,7 +65,7 @@ class Session:
         epoch: counts resets and loaded experiments.
         playing: whether time goes on.
         on_change: called on this thread when ``state`` has changed.
-        on_swap: called on this thread when an edit has taken effect.
+        on_swap: called on this thread when the first rows under an edit have been written.
     """
 
     def __init__(
@@ -89,6 +89,7 @@ class Session:
         self._push = Push()
         self._requests: deque[Request] = deque()
         self._pending: Request | None = None
+        self._swapped = False
         self._wake = Event()
         self._stopping = False
         self._thread = Thread(target=self._run, name="slidetune-session", daemon=True)
@@ -253,6 +254,9 @@ class Session:
                 metrics.add(rows, time, loop.period)
         if self.view is not None:
             self.view.add(rows, loop.period)
+        if self._swapped:
+            self._swapped = False
+            self.on_swap()
         if sum(lane.freeze is not None for lane in loop.lanes.values()) != frozen:
             self.on_change()
 
@@ -274,7 +278,7 @@ class Session:
         self.revision = revision
         if list(self.loop.lanes) != before:
             self._new_lanes()
-        self.on_swap()
+        self._swapped = True
 
     def _take_pending(self) -> None:
         pending, self._pending = self._pending, None

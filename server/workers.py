@@ -46,6 +46,8 @@ def _begin(flags: Any) -> None:
     _flags = flags
     if hasattr(os, "nice"):
         os.nice(5)
+    import scipy.signal  # noqa: F401  (slow to import: not in the middle of the first drag)
+
     from robot.warmup import warm_up
 
     warm_up()

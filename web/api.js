@@ -6,13 +6,14 @@
  * `hello`, `patch`, `state`, `metrics`, `notice`, `error`: the server's message as `detail`
  * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
- * `saved`: the preset's name, its experiment being the baseline now; `joint`: 1 to 6, toggled
- * by key.
+ * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
+ * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set.
  */
 
 import {joined} from './merge_patch.js';
-import {ApiError, request} from './http.js';
+import {ApiError, request, requestLines} from './http.js';
 import {Connection} from './connection.js';
+import {decoded} from './telemetry_frame.js';
 
 export {ApiError};
 
@@ -32,15 +33,10 @@ export {ApiError};
  *   capped: boolean, revision: number, epoch: number, horizon: number,
  *   lanes: {[name: string]: LaneState}}} State
  */
-/**
- * Telemetry: `data[column * rows + row]`, columns in the order of `channels`.
- * @typedef {{revision: number, rows: number, columns: number, dropped: number, time: number,
- *   dt: number, data: Float32Array}} Frame
- */
+/** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
 /** @typedef {ReturnType<typeof setTimeout>} Timer */
 
-const HEADER_BYTES = 32;
 const NOT_CONNECTED = 'not connected: the change was not made';
 const SETTLE_MS = 3000;
 /** An answer may be lost: the server drops what a page that lags too far has missed. */
@@ -49,18 +45,6 @@ const ANSWER_MS = 10_000;
 const MOST_ON_THE_WAY = 2;
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;
-
-/**
- * @param {ArrayBuffer} buffer
- * @returns {Frame}
- */
-function decoded(buffer) {
-  const view = new DataView(buffer);
-  const [revision, rows, columns, dropped] = [0, 4, 8, 12].map((at) => view.getUint32(at, true));
-  const data = new Float32Array(buffer, HEADER_BYTES, rows * columns);
-  const [time, dt] = [view.getFloat64(16, true), view.getFloat64(24, true)];
-  return {revision, rows, columns, dropped, time, dt, data};
-}
 
 /** The live session, its experiment and its telemetry. */
 export class Api extends EventTarget {
@@ -79,6 +63,8 @@ export class Api extends EventTarget {
   revision = 0;
   version = '';
   connected = false;
+  /** Whether a control is on its way: more values follow until `settled`. */
+  moving = false;
   /** Name of the lane whose gains are on the screen. */
   selected = '';
   /** How the 3D scene is drawn. */
@@ -112,6 +98,7 @@ export class Api extends EventTarget {
    */
   patch(patch) {
     const waiting = this.#pending !== null;
+    this.#move(true);
     this.#pending = joined(this.#pending ?? {}, patch);
     if (waiting) return;
     // A hidden page gets no animation frames.
@@ -138,13 +125,20 @@ export class Api extends EventTarget {
    *
    * @returns {Promise<void>}
    */
-  settled() {
+  async settled() {
     this.#flush();
-    if (!this.#sent.size) return Promise.resolve();
-    return new Promise((resolve) => {
-      this.#settling.push(resolve);
-      setTimeout(resolve, SETTLE_MS);
-    });
+    if (this.#sent.size) await Promise.race([
+      new Promise((resolve) => { this.#settling.push(() => resolve(undefined)); }),
+      new Promise((resolve) => { setTimeout(resolve, SETTLE_MS); }),
+    ]);
+    this.#move(false);
+  }
+
+  /** @param {boolean} moving */
+  #move(moving) {
+    if (moving === this.moving) return;
+    this.moving = moving;
+    this.#emit('moving', moving);
   }
 
   /**
@@ -231,6 +225,45 @@ export class Api extends EventTarget {
   /** @param {string|Document} document YAML text or a whole experiment */
   replaceExperiment(document) { return request('PUT', '/api/experiment', document); }
 
+  // Whole runs beside the live session
+
+  /**
+   * Run a lane over its horizon and look at it.
+   *
+   * @param {string} lane
+   * @param {('sliding'|'network'|'chattering')[]} lenses
+   * @param {{patch?: Document, signal?: AbortSignal}} [options] `patch`: another experiment than
+   *   the live one
+   * @returns {Promise<Document>} what each lens saw, under its name
+   */
+  lens(lane, lenses, {patch = {}, signal} = {}) {
+    return request('POST', '/api/lens', {lane, lenses, patch}, signal);
+  }
+
+  /**
+   * Many short runs, told as they end; see the kinds at the server's `/api/studies`.
+   *
+   * @param {'strip'|'sensitivity'|'switching'} kind
+   * @param {Document} body
+   * @param {(row: Document) => void} onRow
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<void>} kept when all runs have ended
+   */
+  study(kind, body, onRow, signal) {
+    return requestLines(`/api/studies/${kind}`, body, onRow, signal);
+  }
+
+  /**
+   * Run every lane over its horizon. Of two at once the server gives up the older.
+   *
+   * @param {{experiment?: Document, quick?: boolean, show?: boolean}} body
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
+   */
+  preview(body, signal) {
+    return request('POST', '/api/preview', {...body, client: `${this.client} preview`}, signal);
+  }
+
   // What arrives
 
   /** @param {Document} detail */
@@ -267,16 +300,12 @@ export class Api extends EventTarget {
   /** @param {Document} message */
   #hello(message) {
     const {client, version, experiment, baseline, preset, channels, laws, state} = message;
-    const index = this.lanes.findIndex((lane) => lane.name === this.selected);
     Object.assign(this, {client, version, experiment, baseline, preset, channels, laws});
+    this.selected = successor(this.lanes, message.lanes, this.selected, message.selected);
     this.lanes = message.lanes;
     this.session = state;
     this.drawn = {...this.drawn, ...message.view};
-    if (!this.lanes.some((lane) => lane.name === this.selected)) {
-      // A renamed lane keeps its place.
-      this.selected = (this.lanes[index] ?? this.lanes.at(-1))?.name ?? '';
-      if (index < 0 && message.selected) this.selected = message.selected;
-    }
+    if (!(message.selected in experiment.lanes)) this.#send({type: 'select', lane: this.selected});
     if (this.connected) return;
     this.connected = true;
     this.#emit('connection', {connected: true});
@@ -343,6 +372,25 @@ export class Api extends EventTarget {
    * @param {any} detail
    */
   #emit(type, detail) { this.dispatchEvent(new CustomEvent(type, {detail})); }
+}
+
+/**
+ * The lane to show after a change of lanes: the same, or the one in its place; when they are
+ * other lanes altogether the one that the server names, or the first.
+ *
+ * @param {Lane[]} before
+ * @param {Lane[]} now
+ * @param {string} selected
+ * @param {string} named
+ * @returns {string}
+ */
+function successor(before, now, selected, named) {
+  const names = now.map(({name}) => name);
+  if (names.includes(selected)) return selected;
+  const kin = before.some(({name}) => names.includes(name));
+  const place = before.findIndex(({name}) => name === selected);
+  if (kin) return names[Math.min(place, names.length - 1)];
+  return names.includes(named) ? named : names[0];
 }
 
 /** @param {string} name */

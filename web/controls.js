@@ -118,7 +118,7 @@ class Tuning {
     const {title = law, summary = ''} = this.#api.laws.find(({name}) => name === law) ?? {};
     const named = lane === title ? lane : `${lane} · ${title}`;
     const dot = element('span', {class: 'lane-dot'});
-    const name = element('h3', {}, dot, element('span', {}, named));
+    const name = element('h2', {}, dot, element('span', {}, named));
     return element('header', {class: 'gains-head'}, name, summary && element('p', {}, withIndices(summary)));
   }
 
@@ -179,7 +179,7 @@ function wordsFor(control, error) {
 /** @param {import('./api.js').Api} api */
 function mountAbout(api) {
   const title = element('span', {});
-  const text = element('p', {class: 'about-text'});
+  const text = element('p', {class: 'about-text', tabindex: 0, role: 'note', 'aria-label': 'What to look at'});
   const box = element('details', {class: 'about'},
     element('summary', {}, icon('chevron'), title), text);
   rememberOpen(box, 'about', true);

@@ -41,21 +41,69 @@ async function refusal(response) {
  * @param {string} method
  * @param {string} address
  * @param {string|object} [body] text is YAML, anything else JSON
- * @returns {Promise<any>} JSON, or the text of any other answer
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<Response>}
  * @throws {ApiError} when the server refuses or can't be reached
+ * @throws {DOMException} when `signal` aborts it
  */
-export async function request(method, address, body) {
+async function answer(method, address, body, signal) {
   const yaml = typeof body === 'string';
   const headers = {'Content-Type': yaml ? 'application/yaml' : 'application/json'};
   const content = body === undefined ? {} : {headers, body: yaml ? body : JSON.stringify(body)};
   let response;
   try {
-    response = await fetch(address, {method, ...content});
-  } catch {
+    response = await fetch(address, {method, signal, ...content});
+  } catch (error) {
+    signal?.throwIfAborted();
     throw new ApiError(0, 'unreachable', 'the server can’t be reached; is it still running?');
   }
   if (!response.ok) throw await refusal(response);
+  return response;
+}
+
+/**
+ * @param {string} method
+ * @param {string} address
+ * @param {string|object} [body] text is YAML, anything else JSON
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<any>} JSON, bytes, or the text of any other answer; null when there is none
+ * @throws {ApiError} when the server refuses or can't be reached
+ * @throws {DOMException} when `signal` aborts it
+ */
+export async function request(method, address, body, signal) {
+  const response = await answer(method, address, body, signal);
   const type = response.headers.get('Content-Type') ?? '';
   if (response.status === 204) return null;
+  if (type.includes('octet-stream')) return response.arrayBuffer();
   return type.includes('json') ? response.json() : response.text();
+}
+
+/**
+ * Read an answer of one JSON object a line while it is still being written.
+ *
+ * @param {string} address
+ * @param {object} body
+ * @param {(row: any) => void} onRow called with each object as it comes
+ * @param {AbortSignal} [signal] stops the server as well
+ * @throws {ApiError} when the server refuses, can't be reached or breaks off
+ * @throws {DOMException} when `signal` aborts it
+ */
+export async function requestLines(address, body, onRow, signal) {
+  const response = await answer('POST', address, body, signal);
+  const reader = /** @type {ReadableStream<Uint8Array>} */ (response.body)
+    .pipeThrough(new TextDecoderStream()).getReader();
+  let rest = '';
+  for (;;) {
+    let part;
+    try {
+      part = await reader.read();
+    } catch {
+      signal?.throwIfAborted();
+      throw new ApiError(0, 'broken', 'the connection was lost before the answer was complete');
+    }
+    const lines = (rest + (part.value ?? '')).split('\n');
+    rest = part.done ? '' : /** @type {string} */ (lines.pop());
+    for (const line of lines) if (line) onRow(JSON.parse(line));
+    if (part.done) return;
+  }
 }

@@ -125,7 +125,7 @@ export class SectionGroup extends Group {
     for (const item of this.#schema.contents(section, value)) {
       if ('node' in item) {
         const box = element('section', {class: 'subgroup', 'aria-label': item.title});
-        box.append(element('h4', {title: item.description}, item.title));
+        box.append(element('h3', {title: item.description}, item.title));
         place.append(box);
         this.#fill(item, value[item.path[item.path.length - 1]], box);
       } else {

@@ -28,7 +28,6 @@ export function splitter(workspace, {property, label, line, way, sized, least, m
     if (fitting === null) workspace.style.removeProperty(property);
     else workspace.style.setProperty(property, `${fitting}px`);
     remember(property, fitting === null ? null : String(fitting));
-    bar.setAttribute('aria-valuenow', String(fitting ?? Math.round(measured())));
   };
   const measured = () => {
     const {width, height} = sized().getBoundingClientRect();
@@ -61,6 +60,9 @@ export function splitter(workspace, {property, label, line, way, sized, least, m
   });
   const last = Number(recall(property));
   if (last) set(last);
+  new ResizeObserver(() => {
+    bar.setAttribute('aria-valuenow', String(Math.round(measured())));
+  }).observe(sized());
   return bar;
 }
 

@@ -111,6 +111,10 @@ export function attachTooltip(row, label, field) {
   label.addEventListener('pointerup', ({pointerType}) => {
     if (pointerType !== 'mouse') show(row, field);
   });
+  label.addEventListener('click', (event) => {
+    // It would open the keyboard of a telephone over what it explains.
+    if (/** @type {PointerEvent} */ (event).pointerType === 'touch') event.preventDefault();
+  });
   row.addEventListener('focusin', ({target}) => {
     if (/** @type {Element} */ (target).matches(':focus-visible')) later(FOCUS_MS);
   });

@@ -22,9 +22,9 @@ def run() -> Run:
 
 
 def printed(run: Run, since: float = 0.0) -> str:
-    console = Console(file=io.StringIO(), width=160)
-    print_report(report(run, since), console)
-    return console.file.getvalue()  # type: ignore[attr-defined]
+    text = io.StringIO()
+    print_report(report(run, since), Console(file=text, width=160))
+    return text.getvalue()
 
 
 def test_every_figure_has_a_unit(run: Run) -> None:

@@ -48,7 +48,7 @@ def _filled(value: Any, buffers: list[bytes]) -> Any:
         if "__binary_index" in value:
             return np.frombuffer(buffers[value["__binary_index"]], dtype=value["dtype"])
         return {key: _filled(item, buffers) for key, item in value.items()}
-    return value
+    return tuple(value) if isinstance(value, list) else value
 
 
 class ViserClient:
@@ -122,10 +122,12 @@ class ViserClient:
             self.visible[name] = message["visible"]
         elif kind in ("SetPositionMessage", "SetOrientationMessage"):
             part = "position" if kind == "SetPositionMessage" else "wxyz"
-            self.poses.setdefault(name, {})[part] = np.array(message[part])
+            self.poses[name][part] = np.array(message[part])
         elif kind == "RemoveSceneNodeMessage":
             self.nodes.pop(name)
         elif "props" in message and name:
             self.nodes[name] = dict(message["props"])
+            rest = {"position": np.zeros(3), "wxyz": np.array([1.0, 0.0, 0.0, 0.0])}
+            self.poses.setdefault(name, rest)
         else:
             self.others[kind] = message

@@ -1,0 +1,105 @@
+"""Lessons over HTTP: the list, and one lesson with every step's experiment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from robot.lesson import LoadedLesson, View, lessons, load_lesson
+from robot.lesson_text import LessonText
+from server.contract import ErrorAnswer
+
+_UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
+
+
+class LessonSummary(BaseModel):
+    """One lesson in a list."""
+
+    name: str = Field(examples=["chattering"])
+    title: str
+    summary: str
+    minutes: int
+    steps: int = Field(description="How many.")
+
+
+class LessonList(BaseModel):
+    """All lessons in their order."""
+
+    lessons: list[LessonSummary]
+
+
+class LessonQuestion(BaseModel):
+    """A prediction to be made before the step's change is."""
+
+    text: str
+    choices: list[str]
+    answer: int = Field(description="Place of the right choice, counted from 0.")
+    explanation: list[str] = Field(description="Paragraphs.")
+
+
+class LessonChange(BaseModel):
+    """One value that a step changes, in words and units."""
+
+    path: str
+    label: str
+    was: str
+    now: str
+
+
+class LessonStep(BaseModel):
+    """One step; its experiment acts on entering it, or once its question is answered."""
+
+    title: str
+    text: list[str] = Field(description="Paragraphs.")
+    preset: str = Field(description="Where the experiment comes from.")
+    fresh: bool = Field(description="Whether the step begins with that preset anew.")
+    experiment: dict[str, Any] = Field(description="What the step is about, whole.")
+    changes: list[LessonChange]
+    lane: str = Field(description="Lane to select; empty: leave it.")
+    view: View | None = Field(description="Tab of the plots to open.")
+    exaggeration: float | None
+    reset: bool = Field(description="Whether time starts again at 0.")
+    question: LessonQuestion | None
+
+
+class LessonAnswer(BaseModel):
+    """One lesson, whole, with all numbers filled in."""
+
+    name: str
+    title: str
+    summary: str
+    minutes: int
+    steps: list[LessonStep]
+
+
+def _head(loaded: LoadedLesson) -> dict[str, Any]:
+    lesson = loaded.lesson
+    return {
+        "name": loaded.name,
+        "title": lesson.title,
+        "summary": lesson.summary,
+        "minutes": lesson.minutes,
+    }
+
+
+def lessons_router() -> APIRouter:
+    """Return the routes of the lessons."""
+    router = APIRouter(prefix="/api/lessons", tags=["lessons"])
+
+    @router.get("", response_model=LessonList)
+    def all_lessons() -> dict[str, Any]:
+        """All lessons, in the order in which they build on each other."""
+        known = [{**_head(loaded), "steps": len(loaded.lesson.steps)} for loaded in lessons()]
+        return {"lessons": known}
+
+    @router.get("/{name}", response_model=LessonAnswer, responses=_UNKNOWN)
+    def one_lesson(name: str) -> dict[str, Any]:
+        """One lesson: its steps, their texts and the experiment of each."""
+        loaded = load_lesson(name)
+        texts = LessonText(loaded)
+        steps = [texts.step(index) for index in range(len(loaded.lesson.steps))]
+        return {**_head(loaded), "steps": steps}
+
+    return router

@@ -1,0 +1,241 @@
+"""The lanes in lockstep: edits, new lanes, freezes, and the same rows as a whole run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robot.closed_loop import ClosedLoop
+from robot.experiment import Experiment
+from robot.packed import pack
+from robot.quantity import JOINTS
+from robot.simulate import simulate
+from robot.workspace import PUSH, RECORD, STATE_ROWS, Q, V
+
+Array = np.ndarray
+THREE: dict[str, Any] = {
+    "lanes": {
+        "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},
+        "SMC": {"law": "smc"},
+        "PD": {"law": "computed_torque"},
+    },
+    "simulation": {"horizon": 0.2},
+}
+HARD: dict[str, Any] = {
+    "robot": {
+        "inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15],
+        "viscous_friction": 2.0, "coulomb_friction": 1.0, "torque_limit": 100.0,
+        "payload": {"mass": 1.5},
+    },
+    "lanes": {
+        "A": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "epsilon": 0.1},
+        "B": {"law": "nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "switching": "sign"},
+        "C": {"law": "computed_torque"},
+    },
+    "disturbance": {
+        "constant": 1.0, "noise": {"amplitude": 1.0}, "nominal_mismatch": 0.9,
+        "sensor_noise": {"position": 1e-5, "velocity": 1e-3},
+    },
+    "simulation": {"mode": "sampled", "input_delay": 0.0014, "horizon": 0.2},
+}
+FALLING = {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}
+
+
+def experiment_of(document: dict[str, Any]) -> Experiment:
+    return Experiment.from_document(document)
+
+
+def loop_of(document: dict[str, Any], steps: int = 0, rows: int = 512) -> ClosedLoop:
+    loop = ClosedLoop(pack(experiment_of(document)), rows)
+    advance(loop, steps)
+    return loop
+
+
+def advance(loop: ClosedLoop, steps: int) -> None:
+    for _ in range(steps):
+        loop.step()
+
+
+def state(loop: ClosedLoop, name: str) -> Array:
+    return loop.lanes[name].work[:STATE_ROWS].copy()
+
+
+@pytest.mark.parametrize("document", [THREE, HARD], ids=["continuous", "sampled"])
+def test_the_live_loop_and_a_whole_run_give_the_same_bits(document: dict[str, Any]) -> None:
+    run = simulate(experiment_of(document))
+    loop = loop_of(document, len(run.time))
+    for name, lane in run.lanes.items():
+        record = loop.lanes[name].record[: len(run.time)]
+        for index, column in enumerate(RECORD[:6]):
+            found = record[:, JOINTS * index : JOINTS * (index + 1)]
+            np.testing.assert_array_equal(found, getattr(lane, column), err_msg=f"{name} {column}")
+        np.testing.assert_array_equal(record[:, 36:42], run.q_d)
+        np.testing.assert_array_equal(record[:, 42:48], run.v_d)
+
+
+@pytest.mark.parametrize("document", [THREE, HARD], ids=["continuous", "sampled"])
+def test_restart_repeats_to_the_last_bit(document: dict[str, Any]) -> None:
+    loop = loop_of(document, 100)
+    before = {name: lane.record.copy() for name, lane in loop.lanes.items()}
+    loop.lanes["C" if "C" in loop.lanes else "PD"].work[PUSH] = 5.0
+    advance(loop, 37)
+    loop.restart()
+    assert (loop.time, loop.number) == (0.0, 0)
+    advance(loop, 100)
+    for name, lane in loop.lanes.items():
+        np.testing.assert_array_equal(lane.record[:100], before[name][:100])
+
+
+def test_lanes_do_not_see_each_other() -> None:
+    together = loop_of(HARD, 100)
+    for name in HARD["lanes"]:
+        alone = loop_of({**HARD, "lanes": {name: HARD["lanes"][name]}}, 100)
+        np.testing.assert_array_equal(alone.lanes[name].record, together.lanes[name].record)
+
+
+def test_rows_go_round_a_short_record() -> None:
+    long, short = loop_of(THREE, 100), loop_of(THREE, 100, rows=16)
+    rows = [number % 16 for number in range(84, 100)]
+    for name, lane in short.lanes.items():
+        np.testing.assert_array_equal(lane.record[rows], long.lanes[name].record[84:100])
+
+
+def test_an_edit_keeps_time_and_states() -> None:
+    loop = loop_of(THREE, 40)
+    states, time = {name: state(loop, name) for name in loop.lanes}, loop.time
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": {"RBFNN-NFTSM": {"nu": 30}}})))
+    assert (loop.time, loop.number) == (time, 40)
+    for name, before in states.items():
+        np.testing.assert_array_equal(state(loop, name), before)
+    advance(loop, 40)
+    untouched = loop_of(THREE, 80)
+    assert (state(loop, "RBFNN-NFTSM") != state(untouched, "RBFNN-NFTSM")).any()
+    np.testing.assert_array_equal(state(loop, "SMC"), state(untouched, "SMC"))
+
+
+def test_time_goes_on_at_another_rate_after_an_edit() -> None:
+    loop = loop_of(THREE, 40)
+    loop.adopt(pack(loop.packed.experiment.patched({"simulation": {"step": 0.002}})))
+    advance(loop, 10)
+    assert loop.time == pytest.approx(0.04 + 0.02, abs=1e-15)
+    sampled = {"simulation": {"mode": "sampled", "control_rate": 250}}
+    loop.adopt(pack(loop.packed.experiment.patched(sampled)))
+    advance(loop, 10)
+    assert loop.time == pytest.approx(0.06 + 0.04, abs=1e-15)
+
+
+def test_time_does_not_drift_over_many_steps() -> None:
+    loop = loop_of({"lanes": {"A": FALLING}, "robot": {"armature": 5.0}})
+    for lane in loop.lanes.values():
+        lane.step = lambda t, number, row: 0  # the clock alone
+    advance(loop, 1_000_000)
+    assert loop.time == pytest.approx(1000.0, abs=1e-9)
+
+
+def test_a_new_lane_continues_from_its_origin() -> None:
+    loop = loop_of(THREE, 40)
+    loop.lanes["SMC"].work[PUSH] = 3.0
+    lanes = {"copy": {"law": "smc"}, "other": {"law": "nftsm"}}
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": lanes})), {"copy": "SMC"})
+    np.testing.assert_array_equal(state(loop, "copy"), state(loop, "SMC"))
+    np.testing.assert_array_equal(loop.lanes["copy"].work[PUSH], 3.0)
+    # Without an origin: the first lane's.
+    np.testing.assert_array_equal(state(loop, "other"), state(loop, "RBFNN-NFTSM"))
+    assert list(loop.lanes) == [*THREE["lanes"], "copy", "other"]
+    advance(loop, 20)
+    np.testing.assert_array_equal(state(loop, "copy"), state(loop, "SMC"))
+
+
+def test_a_renamed_lane_goes_on() -> None:
+    loop, untouched = loop_of(HARD, 40), loop_of(HARD, 90)
+    lane = loop.packed.experiment.document()["lanes"]["B"]
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": {"B": None, "new": lane}})))
+    assert list(loop.lanes) == ["A", "new", "C"]
+    advance(loop, 50)
+    # The delayed torques were carried over too, so that nothing shows of the change.
+    np.testing.assert_array_equal(state(loop, "new"), state(untouched, "B"))
+
+
+def test_a_removed_lane_is_gone_and_the_others_stay() -> None:
+    loop = loop_of(THREE, 10)
+    before = state(loop, "PD")
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": {"SMC": None}})))
+    assert list(loop.lanes) == ["RBFNN-NFTSM", "PD"]
+    np.testing.assert_array_equal(state(loop, "PD"), before)
+
+
+def test_a_lane_may_change_its_law_in_flight() -> None:
+    loop = loop_of(THREE, 40)
+    before = state(loop, "RBFNN-NFTSM")
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": {"RBFNN-NFTSM": {"law": "smc"}}})))
+    np.testing.assert_array_equal(state(loop, "RBFNN-NFTSM"), before)
+    advance(loop, 100)
+    assert np.isfinite(state(loop, "RBFNN-NFTSM")).all()
+    assert loop.lanes["RBFNN-NFTSM"].freeze is None
+
+
+def test_a_lane_that_leaves_its_bounds_freezes_and_the_others_go_on() -> None:
+    document = {
+        "lanes": {"falls": FALLING, "holds": {"law": "rbfnn_nftsm"}},
+        "disturbance": {"constant": [0, 0, 0, 0, 0, -50]},
+    }
+    loop = loop_of(document, 300)
+    freeze = loop.lanes["falls"].freeze
+    assert freeze is not None
+    assert (freeze.joint, freeze.gamma) == (6, None)
+    assert 0.0 < freeze.time < 0.3
+    row = round(freeze.time / loop.period)
+    record = loop.lanes["falls"].record
+    assert np.isfinite(record[:300]).all()
+    np.testing.assert_array_equal(record[row:300, :36], np.tile(record[row, :36], (300 - row, 1)))
+    assert loop.lanes["holds"].freeze is None
+    alone = loop_of({**document, "lanes": {"holds": {"law": "rbfnn_nftsm"}}}, 300)
+    np.testing.assert_array_equal(alone.lanes["holds"].record, loop.lanes["holds"].record)
+
+
+def test_a_frozen_lane_stays_frozen_under_other_gains_until_a_restart() -> None:
+    document = {"lanes": {"A": FALLING}, "disturbance": {"constant": -50}}
+    loop = loop_of(document, 300)
+    assert loop.lanes["A"].freeze is not None
+    loop.adopt(pack(loop.packed.experiment.patched({"disturbance": {"constant": 0}})))
+    advance(loop, 5)
+    assert loop.lanes["A"].freeze is not None
+    loop.restart()
+    advance(loop, 5)
+    assert loop.lanes["A"].freeze is None
+
+
+def test_a_new_lane_that_continues_a_frozen_one_stands_where_it_stood() -> None:
+    document = {"lanes": {"A": FALLING}, "disturbance": {"constant": -50}}
+    loop = loop_of(document, 300)
+    lanes = {"copy": {"law": "smc"}}
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": lanes})), {"copy": "A"})
+    row = loop.step()
+    one, other = (loop.lanes[name] for name in ("A", "copy"))
+    assert other.freeze == one.freeze
+    assert one.record[row, :JOINTS].any()
+    np.testing.assert_array_equal(other.record[row], one.record[row])
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+@pytest.mark.parametrize("law", ["rbfnn_nftsm", "smc", "computed_torque"])
+def test_a_push_moves_the_arm_where_it_pushes(mode: str, law: str) -> None:
+    gains = {} if law == "computed_torque" else {"k1": 5.0, "k2": 1.0}
+    document = {
+        "lanes": {"A": {"law": law, **gains}}, "trajectory": {"kind": "hold"},
+        "robot": {"armature": 0.5}, "simulation": {"mode": mode},
+    }
+    left, pushed = loop_of(document, 20), loop_of(document, 20)
+    push = np.array([20.0, 0.0, 0.0, 0.0, -10.0, 0.0])
+    pushed.lanes["A"].work[PUSH] = push
+    for loop in (left, pushed):
+        advance(loop, 5)
+    moved = pushed.lanes["A"].work[V] - left.lanes["A"].work[V]
+    assert moved[0] > 1e-3
+    assert moved[4] < -1e-3
+    pushed.lanes["A"].work[PUSH] = 0.0
+    advance(pushed, 1500)
+    assert np.abs(pushed.lanes["A"].work[V]).max() < 0.2
+    assert np.abs(pushed.lanes["A"].work[Q] - pushed.packed.trajectory[2:8]).max() < 0.5

@@ -1,0 +1,196 @@
+"""One lane: where it starts, what it keeps, why it stops."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robot.experiment import Experiment
+from robot.lane import Lane
+from robot.packed import Packed, pack
+from robot.quantity import JOINTS
+from robot.workspace import PUSH, RECORD_COLUMNS, TAU, Q, V, W
+
+Array = np.ndarray
+# The published gains at 1 kHz on the vendor's arm: a margin of 2675.
+DIVERGENT = {"simulation": {"mode": "sampled"}}
+# Nobody holds the wrist of a gram against 50 N m.
+PUSHED = {
+    "lanes": {"A": {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}},
+    "disturbance": {"constant": [0, 0, 0, 0, 0, -50]},
+}
+
+
+def packed_of(document: dict[str, Any], law: str = "rbfnn_nftsm") -> Packed:
+    return pack(Experiment.from_document({"lanes": {"A": {"law": law}}, **document}))
+
+
+def lane_of(packed: Packed, rows: int = 400) -> Lane:
+    return Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)))
+
+
+def stepped(lane: Lane, packed: Packed, steps: int, first: int = 0) -> int:
+    """Step until the lane stops; return how many steps it made."""
+    period = packed.experiment.simulation.row_period
+    for number in range(first, first + steps):
+        joint = lane.step(number * period, number, number)
+        if joint:
+            lane.stop(packed, number * period, joint)
+            return number
+    return first + steps
+
+
+@pytest.mark.parametrize("law", ["rbfnn_nftsm", "nftsm", "computed_torque"])
+def test_a_lane_starts_with_the_error_and_velocity_that_are_asked(law: str) -> None:
+    error = [0.1, -0.2, 0.0, 0.3, 0.0, -0.1]
+    lane = lane_of(packed_of({"simulation": {"initial_error": error}}, law))
+    np.testing.assert_allclose(-lane.work[Q], error)
+    np.testing.assert_array_equal(lane.work[V], 1.0)
+    rest = lane_of(packed_of({"simulation": {"initial_velocity": "rest"}}, law))
+    assert not rest.work[V].any()
+    assert not lane.work[W : W + 10].any()
+
+
+def test_restart_repeats_to_the_last_bit() -> None:
+    document = {
+        "disturbance": {"noise": {"amplitude": 2.0}, "sensor_noise": {"velocity": 0.01}},
+        "simulation": {"mode": "sampled", "input_delay": 0.0023, "initial_error": 0.1},
+        "lanes": {"A": {"law": "rbfnn_smc", "k1": 5, "k2": 1}},
+        "robot": {"armature": 0.5},
+    }
+    packed = packed_of(document)
+    lane = lane_of(packed)
+    assert stepped(lane, packed, 300) == 300
+    first = lane.record.copy()
+    lane.work[PUSH] = 100.0
+    stepped(lane, packed, 50, first=300)
+    lane.record[:] = 0.0
+    lane.restart(packed)
+    assert stepped(lane, packed, 300) == 300
+    np.testing.assert_array_equal(lane.record[:300], first[:300])
+
+
+def test_other_gains_leave_the_state() -> None:
+    packed = packed_of({})
+    lane = lane_of(packed)
+    stepped(lane, packed, 50)
+    state = lane.work[: W + 10].copy()
+    lane.adopt(pack(packed.experiment.patched({"lanes": {"A": {"nu": 30}}})))
+    np.testing.assert_array_equal(lane.work[: W + 10], state)
+
+
+def test_gains_that_do_not_change_change_nothing() -> None:
+    packed = packed_of({"simulation": {"mode": "sampled", "input_delay": 0.005}}, "smc")
+    packed = pack(packed.experiment.patched({"lanes": {"A": {"k1": 5.0, "k2": 1.0}},
+                                             "robot": {"armature": 0.5}}))
+    left_alone, edited = lane_of(packed), lane_of(packed)
+    assert stepped(left_alone, packed, 200) == 200
+    for first in range(0, 200, 3):
+        edited.adopt(packed)
+        stepped(edited, packed, 3, first=first)
+    np.testing.assert_array_equal(edited.record[:200], left_alone.record[:200])
+
+
+def test_edits_do_not_keep_a_delayed_torque_from_arriving() -> None:
+    document = {
+        "simulation": {"mode": "sampled", "input_delay": 0.02},
+        "lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}},
+        "robot": {"armature": 1.0},
+    }
+    packed = packed_of(document)
+    lane = lane_of(packed)
+    for first in range(0, 100, 5):
+        gain = {"lanes": {"A": {"k1": 2.0 + first / 1000}}}
+        lane.adopt(pack(packed.experiment.patched(gain)))
+        stepped(lane, packed, 5, first=first)
+    untouched = lane_of(packed)
+    stepped(untouched, packed, 100)
+    # Without any torque the arm would have fallen by far more than what the gains change.
+    assert np.abs(lane.work[Q] - untouched.work[Q]).max() < 1e-3
+
+
+def test_torques_on_their_way_obey_a_new_limit() -> None:
+    document = {
+        "simulation": {"mode": "sampled", "input_delay": 0.05},
+        "lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}},
+        "robot": {"armature": 1.0},
+    }
+    packed = packed_of(document)
+    lane = lane_of(packed)
+    stepped(lane, packed, 20)
+    assert lane.commands is not None
+    assert np.abs(lane.commands).max() > 5.0
+    lane.adopt(pack(packed.experiment.patched({"robot": {"torque_limit": 5.0}})))
+    assert np.abs(lane.commands).max() <= 5.0
+
+
+def test_a_new_delay_begins_with_the_present_torque() -> None:
+    document = {"lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}}, "robot": {"armature": 1.0},
+                "simulation": {"mode": "sampled"}}
+    packed = packed_of(document)
+    lane = lane_of(packed)
+    stepped(lane, packed, 20)
+    lane.adopt(pack(packed.experiment.patched({"simulation": {"input_delay": 0.01}})))
+    np.testing.assert_array_equal(lane.commands, np.tile(lane.work[TAU], (12, 1)))
+
+
+def test_a_sampled_lane_that_diverges_says_when_where_why_and_what_to_do() -> None:
+    packed = packed_of(DIVERGENT)
+    lane = lane_of(packed)
+    number = stepped(lane, packed, 400)
+    freeze = lane.freeze
+    assert freeze is not None
+    assert freeze.time == pytest.approx(number * 1e-3)
+    assert 1 <= freeze.joint <= JOINTS
+    assert freeze.gamma is not None
+    assert freeze.gamma > 1000.0
+    for part in (f"Joint {freeze.joint}", "1000 Hz", "γ =", "less than 2", "k₁", "armature"):
+        assert part in freeze.cause
+    assert np.isfinite(lane.work[: W + 10]).all()
+    assert np.isfinite(lane.record[: number + 1]).all()
+
+
+def test_a_delay_is_part_of_the_cause() -> None:
+    packed = packed_of({"simulation": {"mode": "sampled", "input_delay": 0.001}})
+    lane = lane_of(packed)
+    stepped(lane, packed, 400)
+    assert lane.freeze is not None
+    assert "input delay" in lane.freeze.cause
+    assert "less than 1." in lane.freeze.cause
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_a_lane_that_is_pushed_away_is_not_blamed_on_its_gains(mode: str) -> None:
+    packed = packed_of({**PUSHED, "simulation": {"mode": mode}})
+    lane = lane_of(packed)
+    stepped(lane, packed, 400)
+    freeze = lane.freeze
+    assert freeze is not None
+    assert freeze.joint == 6
+    assert freeze.gamma is None
+    assert "disturbance" in freeze.cause
+    assert "γ" not in freeze.cause
+
+
+def test_a_frozen_lane_repeats_its_last_row_beside_the_desired_motion() -> None:
+    packed = packed_of(PUSHED)
+    lane = lane_of(packed)
+    last = stepped(lane, packed, 400)
+    for number in (last + 1, last + 2):
+        lane.hold(packed, number * 1e-3, number)
+    own = 6 * JOINTS
+    np.testing.assert_array_equal(lane.record[last + 2, :own], lane.record[last, :own])
+    desired = lane.record[last + 2, own:].reshape(2, JOINTS)
+    np.testing.assert_allclose(desired[0], np.sin((last + 2) * 1e-3))
+    np.testing.assert_allclose(desired[1], np.cos((last + 2) * 1e-3))
+
+
+def test_restart_thaws() -> None:
+    packed = packed_of(PUSHED)
+    lane = lane_of(packed)
+    stepped(lane, packed, 400)
+    lane.restart(packed)
+    assert lane.freeze is None
+    assert not lane.work[Q].any()

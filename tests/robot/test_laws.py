@@ -1,0 +1,235 @@
+"""The registry of laws, and what their gains do."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+from robot.compiled import kernel
+from robot.experiment import Experiment, LaneName
+from robot.laws import LAWS
+from robot.laws.law import Law
+from robot.merge_patch import merge_patch
+from robot.network import no_network
+from robot.packed import pack
+from robot.quantity import JOINTS, PerJoint, Section, field
+from robot.simulate import LaneRun, simulate
+from robot.stability import sampling_margin
+from robot.stages import begin, command, finish, observe
+from robot.surface import LinearSurface, linear_surface
+from robot.workspace import FLAGS, GAIN, REACH, TAU, S
+
+Array = np.ndarray
+COLUMNS = ("q", "v", "tau", "S", "f", "weights")
+
+# Gains at which every other one has something to act on.
+BASE: dict[str, Any] = {
+    "nu": 2.0, "c": 3.0, "mu": 0.5, "p": 9.0, "k": 7.0, "k1": 20.0, "k2": 15.0, "epsilon": 0.5,
+    "alpha": 0.5, "lambda_": 4.0, "width": 0.5, "learning_rate": 30.0, "leakage": 0.5,
+    "center_span": 1.0, "network_input": "error", "switching": "tanh", "reaching": "exponential",
+    "inertia_shaped": False, "kp": 100.0, "kd": 20.0,
+}
+CHANGED: dict[str, Any] = {
+    "p": 11.0, "k": 5.0, "network_input": "angle", "switching": "saturation", "reaching": "power",
+    "inertia_shaped": True,
+}
+NEEDED = {"alpha": {"reaching": "power"}}
+GAINS = [
+    (law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"
+]
+PER_JOINT = [
+    (law, name) for law, name in GAINS if LAWS[law].lane.model_fields[name].annotation != float
+    and isinstance(BASE[name], float)
+]
+
+
+def document(lane: dict[str, Any], mode: str = "continuous") -> dict[str, Any]:
+    return {
+        "robot": {"armature": 0.2},
+        "lanes": {"A": lane},
+        "disturbance": {"constant": 2.0, "nominal_mismatch": 0.8},
+        "simulation": {
+            "mode": mode, "horizon": 0.1, "step": 0.005, "control_rate": 500.0,
+            "plant_substeps": 2, "initial_error": 0.1,
+        },
+    }
+
+
+def gains_of(law: str, **changes: Any) -> dict[str, Any]:
+    known = LAWS[law].lane.model_fields
+    return {"law": law, **{name: BASE[name] for name in known if name != "law"}, **changes}
+
+
+def run(lane: dict[str, Any], mode: str = "continuous") -> LaneRun:
+    return simulate(Experiment.from_document(document(lane, mode))).lanes["A"]
+
+
+def same(one: LaneRun, other: LaneRun) -> bool:
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in COLUMNS)
+
+
+def test_registry_is_by_name_and_each_lane_knows_its_law() -> None:
+    assert list(LAWS) == ["rbfnn_nftsm", "rbfnn_smc", "nftsm", "smc", "computed_torque"]
+    for name, law in LAWS.items():
+        assert law.name == name == law.lane().law
+        assert law.title
+        assert law.summary.startswith("τ = ")
+
+
+def test_flags_of_a_law_say_what_it_does() -> None:
+    for name, law in LAWS.items():
+        exact = run(gains_of(name))
+        believed = document(gains_of(name))
+        believed["disturbance"]["nominal_mismatch"] = 1.0
+        other = simulate(Experiment.from_document(believed)).lanes["A"]
+        assert same(exact, other) != law.model_based
+        assert exact.weights.any() == law.network
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+@pytest.mark.parametrize(("law", "name"), GAINS)
+def test_every_gain_has_an_effect(law: str, name: str, mode: str) -> None:
+    base = gains_of(law, **NEEDED.get(name, {}))
+    value = CHANGED.get(name, base[name] * 1.3 if isinstance(base[name], float) else None)
+    assert not same(run(base, mode), run({**base, name: value}, mode))
+
+
+@pytest.mark.parametrize(("law", "name"), PER_JOINT)
+def test_a_gain_of_one_joint_stands_in_that_joint_s_column(law: str, name: str) -> None:
+    base = gains_of(law)
+    numbers = LAWS[law].lane.model_validate(base).pack()
+    for joint in range(JOINTS):
+        values = [BASE[name]] * JOINTS
+        values[joint] = CHANGED.get(name, 1.3 * BASE[name])
+        changed = LAWS[law].lane.model_validate({**base, name: values}).pack()
+        assert np.flatnonzero((changed != numbers).any(axis=0)).tolist() == [joint]
+
+
+@pytest.mark.parametrize("law", ["rbfnn_nftsm", "rbfnn_smc", "nftsm", "smc"])
+@pytest.mark.parametrize("name", ["k1", "k2", "epsilon"])
+def test_a_reaching_gain_of_one_joint_changes_that_joint_s_first_torque(
+    law: str, name: str
+) -> None:
+    first = run(gains_of(law)).tau[0]
+    for joint in range(JOINTS):
+        values = [BASE[name]] * JOINTS
+        values[joint] *= 1.5
+        differs = run(gains_of(law, **{name: values})).tau[0] != first
+        assert np.flatnonzero(differs).tolist() == [joint]
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+@pytest.mark.parametrize("law", LAWS)
+def test_six_equal_gains_are_one(law: str, mode: str) -> None:
+    one = gains_of(law)
+    per_joint = {name for kind, name in PER_JOINT if kind == law}
+    six = {name: [value] * JOINTS if name in per_joint else value for name, value in one.items()}
+    assert same(run(one, mode), run(six, mode))
+
+
+@pytest.mark.parametrize("law", [name for name, law in LAWS.items() if law.network])
+def test_published_width_hides_what_the_network_looks_at(law: str) -> None:
+    wide = run(gains_of(law, width=10.0))
+    for source in ("angle", "desired"):
+        other = run(gains_of(law, width=10.0, network_input=source))
+        assert np.abs(wide.q - other.q).max() < 1e-3
+
+
+def test_alpha_is_ignored_by_the_other_reaching_laws() -> None:
+    for reaching in ("exponential", "constant"):
+        lane = gains_of("smc", reaching=reaching)
+        assert same(run(lane), run({**lane, "alpha": 0.9}))
+
+
+def test_a_network_that_does_not_learn_stays_silent() -> None:
+    lazy = run(gains_of("rbfnn_smc", learning_rate=0.0))
+    assert not lazy.f.any()
+    assert not lazy.weights.any()
+
+
+# --- a sixth law: a file and a line in the registry ---------------------------------------------
+
+
+class Toy(LinearSurface):
+    """Gains of a plain proportional-derivative law."""
+
+    law: Literal["toy"] = "toy"
+    gain: PerJoint = field(
+        40.0, title="Gain", unit="N·m·s/rad", low=0.0, high=500.0, step=1.0, meaning="Feedback."
+    )
+
+    def pack(self) -> Array:
+        """Return lambda and the gain. Shape (2, 6)."""
+        return np.vstack([self.pack_surface(), np.full((1, JOINTS), self.gain)])
+
+
+@kernel
+def toy_control(gains, work):  # type: ignore[no-untyped-def]
+    """τ = g (de + λ e)."""
+    linear_surface(gains[:1], work)
+    no_network(work)
+    work[FLAGS, 0] = 0.0
+    for j in range(JOINTS):
+        work[GAIN, j] = gains[1, j]
+        work[REACH, j] = gains[1, j] * work[S, j]
+        work[TAU, j] = work[REACH, j]
+
+
+@kernel
+def toy_step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def] # noqa: E501
+    """One stage of continuous mode."""
+    begin(stage, t, trajectory, world, work)
+    toy_control(gains, work)
+    return finish(stage, h, row, M, nle, world, work, record)
+
+
+@kernel
+def toy_sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def] # noqa: E501
+    """One control period of sampled mode."""
+    observe(t, number, trajectory, world, work)
+    toy_control(gains, work)
+    return command(period, row, world, work, record)
+
+
+TOY = Law("toy", "Toy", "τ = g(de + λe)", Toy, toy_step, toy_sample, False, False)
+
+
+@pytest.fixture
+def wider(monkeypatch: pytest.MonkeyPatch) -> type[Experiment]:
+    """Return the document as it would be with one more line in the registry."""
+    monkeypatch.setitem(LAWS, "toy", TOY)
+    lane = Annotated[reduce(or_, [law.lane for law in LAWS.values()]), Field(discriminator="law")]
+
+    class Wider(Experiment):
+        lanes: dict[LaneName, lane]  # type: ignore[valid-type]
+
+    return Wider
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_a_sixth_law_runs_beside_the_others(wider: type[Experiment], mode: str) -> None:
+    lanes = {"toy": {"law": "toy", "lambda_": 4.0, "gain": 40.0}}
+    # The same law in the words of another one.
+    lanes["twin"] = {"law": "rbfnn_smc", "lambda_": 4.0, "k1": 40.0, "k2": 0.0, "learning_rate": 0}
+    experiment = wider.from_document({**document({}, mode), "lanes": lanes})
+    result = simulate(experiment)
+    np.testing.assert_allclose(result.lanes["toy"].q, result.lanes["twin"].q, atol=1e-12)
+    packed = pack(experiment)
+    margins = [sampling_margin(packed, name, np.ones(JOINTS)) for name in lanes]
+    assert margins[0] == pytest.approx(margins[1])
+
+
+def test_a_sixth_law_takes_part_in_patches(wider: type[Experiment]) -> None:
+    before = wider.from_document({"lanes": {"A": {"law": "smc", "lambda_": 7.0}}})
+    after = merge_patch(before.document(), {"lanes": {"A": {"law": "toy"}}})
+    assert wider.from_document(after).lanes["A"] == Toy(lambda_=7.0)
+
+
+def test_a_sixth_law_describes_its_gains_in_the_schema(wider: type[Experiment]) -> None:
+    gain: Section | dict[str, Any] = wider.model_json_schema()["$defs"]["Toy"]["properties"]["gain"]
+    assert (gain["title"], gain["unit"], gain["maximum"]) == ("Gain", "N·m·s/rad", 500.0)
