@@ -16,7 +16,7 @@ LOCK_VENV = build/lock
 NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
 
 .DEFAULT_GOAL = help
-.PHONY: help run install test check format bench lock clean always
+.PHONY: help run install test check format bench lock clean always libgomp
 
 help:  ## Show this list
 	@echo 'make run      then open the address that it prints'
@@ -33,8 +33,8 @@ install: $(INSTALLED)  ## Set up .venv with everything that run, test and check 
 	@echo '.venv is ready: make run starts the dashboard.'
 
 test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
-	@CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
-	echo 'python -m pytest $(ARGS)' && $(VENV_PYTHON) -m pytest $(ARGS)
+	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
+	$(VENV_PYTHON) -m pytest $(ARGS)
 
 check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
 	$(VENV_PYTHON) -m ruff check .
@@ -89,4 +89,22 @@ $(INSTALLED): pyproject.toml requirements.lock $(BROKEN)
 	fi
 	PIP_CONSTRAINT=requirements.lock PIP_BUILD_CONSTRAINT=requirements.lock \
 	$(VENV_PYTHON) -m pip install --disable-pip-version-check --editable '.[test,check]'
+	@if ! problem=`$(VENV_PYTHON) -c 'import pinocchio' 2>&1`; then \
+	  case "$$problem" in \
+	    *libgomp*) $(MAKE) --no-print-directory libgomp;; \
+	    *) echo "$$problem" >&2; exit 1;; \
+	  esac; \
+	fi
 	@touch $@
+
+# Pinocchio leaves one library to the system. Nearly all have it, a bare server doesn't.
+libgomp:
+	@echo "Pinocchio needs GCC's library libgomp, which this system lacks: installing it …"
+	@as_root=`test "$$(id -u)" -eq 0 || echo sudo`; set -x; \
+	if command -v apt-get >/dev/null; then \
+	  $$as_root apt-get update && \
+	  $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y libgomp1; \
+	elif command -v dnf >/dev/null; then $$as_root dnf install -y libgomp; \
+	elif command -v pacman >/dev/null; then $$as_root pacman -S --noconfirm gcc-libs; \
+	else false; fi || \
+	{ set +x; echo 'Install libgomp (Debian: libgomp1), then run make again.' >&2; exit 1; }

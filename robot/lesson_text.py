@@ -182,7 +182,6 @@ class LessonText:
             "title": self.filled(index, step.title, "title"),
             "text": self.paragraphs(index, step.text),
             "preset": loaded.presets[index],
-            "fresh": bool(step.preset),
             "experiment": loaded.experiments[index].document(),
             "changes": [] if step.preset else self._changes(index),
             "lane": step.lane,

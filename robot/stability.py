@@ -7,35 +7,40 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import pinocchio as pin
 
-from robot.disturbance import LIMIT, SENSOR
-from robot.experiment import MAX_STEPS, Simulation
-from robot.laws import LAWS
-from robot.packed import Packed
-from robot.quantity import JOINTS
-from robot.trajectory import QUINTIC, reference
-from robot.workspace import (
-    FLAGS,
-    GAIN,
-    QD,
-    RECORD_COLUMNS,
-    S_V,
-    SHAPE,
-    TAU,
-    VD,
-    WORK_ROWS,
-    Q,
-    V,
+from robot.experiment import MAX_STEPS, Experiment
+from robot.margin import (
+    margin_limit,
+    sampling_margin,
+    sufficient_layer,
+    sufficient_rate,
+    worst_margin,
 )
+from robot.packed import Packed, pack
+from robot.quantity import JOINTS
+from robot.torque_need import initial_torque, required_torque, start
+from robot.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
+
+__all__ = [
+    "Note",
+    "initial_torque",
+    "margin_limit",
+    "notes",
+    "sampling_margin",
+    "sufficient_rate",
+    "worst_margin",
+]
 
 Array = np.ndarray
 
-MARGIN_LIMIT = 2.0
-"""An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
-_FASTEST = 9900.0
-"""Greatest control rate in [Hz] that a note proposes (*ours*: the field takes 10 kHz)."""
-_POSES = 12
+_LEFT = 0.1
+"""Sliding variable in [rad/s] by which wind-up is told where the start leaves none (*ours*)."""
+_RESERVE = 1.2
+"""Torque limit that a note proposes, as a multiple of what the motion takes (*ours*)."""
+_MOST_LEAKAGE = 50.0
+"""Greatest leakage in [1/s]: the field's own bound."""
+_DECAYS = 3.0
+"""Time constants within the horizon that a note proposes: 5 % of the error are left (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -55,172 +60,160 @@ class Note:
     patch: dict[str, Any] | None = None
 
 
-def _evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -> Array:
-    """Return a workspace in which a lane's law has been evaluated at (q, v) and t = 0."""
-    law = LAWS[packed.experiment.lanes[name].law]
-    work = np.zeros((WORK_ROWS, JOINTS))
-    work[Q], work[V] = q, v
-    model = packed.nominal or packed.model
-    data = model.createData()
-    M = pin.crba(model, data, q).copy()
-    nle = pin.nonLinearEffects(model, data, q, v).copy()
-    record = np.zeros((1, RECORD_COLUMNS))
-    world = packed.world.copy()
-    # What the law asks for, of the true state, before the joint gives what it can.
-    world[SENSOR, :2], world[LIMIT] = 0.0, np.inf
-    law.sample(0.0, 0.0, 0, 0, M, nle, packed.gains[name], world, trajectory, work, record)
-    return work
-
-
-def sampling_margin(packed: Packed, name: str, q: Array) -> float:
-    r"""Return how close a sampled loop is to divergence.
-
-    .. math:: \gamma = \lambda_{max}(T D (M + A)^{-1}), \qquad
-        D = (k_1 + k_2/\epsilon)\,\partial S/\partial\dot e
-
-    Args:
-        packed: the experiment as numbers.
-        name: the lane.
-        q: joint angles in [rad]. Shape (6,).
-
-    Returns:
-        The margin [-] at the sample period T of ``control_rate``; above ``margin_limit`` the loop
-        diverges.
-    """
-    q = np.ascontiguousarray(q)
-    hold = np.concatenate([[QUINTIC, 1.0], q, q])
-    work = _evaluate(packed, name, q, np.zeros(JOINTS), hold)
-    damping = np.diag(work[GAIN] * work[S_V])
-    if work[FLAGS, 0]:
-        damping = work[SHAPE : SHAPE + JOINTS] @ damping
-    M = pin.crba(packed.model, packed.model.createData(), q)
-    period = 1.0 / packed.experiment.simulation.control_rate
-    return float(np.abs(np.linalg.eigvals(period * damping @ np.linalg.inv(M))).max())
-
-
-def margin_limit(simulation: Simulation) -> float:
-    r"""Return the sampling margin above which linear gains diverge, given the input delay.
-
-    With a delay of n + f control periods the velocity error obeys
-
-    .. math:: v_{k+1} = v_k - \gamma\,[(1 - f)\,v_{k-n} + f\,v_{k-n-1}]
-
-    whose roots leave the unit circle at 2 without a delay, at 1 with one period, and at
-    :math:`2\sin(\pi/(4n+2))` with n of them.
-
-    Args:
-        simulation: control rate, input delay, and the steps of the arm to which it is rounded.
-    """
-    whole, part = simulation.delay
-    late = part / simulation.plant_substeps
-    angle = np.linspace(0.0, np.pi / (2 * whole + 1), 4001)[1:]
-    mean = (1.0 - late) * np.exp(1j * angle) + late
-    phase = (whole + 1.5) * angle - np.angle(mean)
-    first = int(np.argmax(phase >= 0.5 * np.pi - 1e-9))
-    return float(2.0 * np.sin(0.5 * angle[first]) / np.abs(mean[first]))
-
-
-def sufficient_rate(simulation: Simulation, gamma: float) -> float | None:
-    """Return a control rate in [Hz] at which linear gains are stable, or ``None``.
-
-    A delay in seconds takes more periods at a higher rate, so that there may be none.
-
-    Args:
-        simulation: what is used now.
-        gamma: sampling margin at the control rate used now.
-    """
-    rate = simulation.control_rate
-    if gamma * rate * simulation.input_delay >= 0.5 * np.pi:
-        return None
-    while rate <= _FASTEST:
-        # Half a percent above the border, in whole hertz, which is what a screen shows.
-        candidate = float(np.ceil(1.005 * rate))
-        trial = simulation.model_copy(update={"control_rate": candidate})
-        if gamma * simulation.control_rate / candidate < margin_limit(trial):
-            return candidate
-        rate = max(1.05 * rate, gamma * simulation.control_rate / MARGIN_LIMIT)
-    return None
-
-
-def worst_margin(packed: Packed, name: str) -> float:
-    """Return the largest sampling margin along the desired trajectory."""
-    horizon = packed.experiment.simulation.horizon
-    work = np.zeros((WORK_ROWS, JOINTS))
-    margins = []
-    for t in np.linspace(0.0, horizon, _POSES):
-        reference(t, packed.trajectory, work)
-        margins.append(sampling_margin(packed, name, work[QD].copy()))
-    return max(margins)
-
-
-def initial_torque(packed: Packed, name: str) -> Array:
-    """Return the torque that a lane's law asks for at the very start in [N m]. Shape (6,)."""
-    simulation = packed.experiment.simulation
-    work = np.zeros((WORK_ROWS, JOINTS))
-    reference(0.0, packed.trajectory, work)
-    q = work[QD] - np.asarray(simulation.initial_error)
-    v = work[VD] if simulation.initial_velocity == "desired" else np.zeros(JOINTS)
-    torque: Array = _evaluate(packed, name, q, v, packed.trajectory)[TAU]
-    return torque.copy()
-
-
 def _sampling(packed: Packed, name: str) -> Iterator[Note]:
-    simulation = packed.experiment.simulation
+    simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
     if simulation.mode != "sampled":
         return
     gamma, limit = worst_margin(packed, name), margin_limit(simulation)
     if gamma <= limit:
         return
-    rate = sufficient_rate(simulation, gamma)
-    fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     late = " with this input delay" if simulation.input_delay else ""
+    rule = f"γ = {_short(gamma)}, and a sampled loop{late} needs less than {_short(limit)}: expect "
+    rate = sufficient_rate(simulation, gamma)
+    layer = sufficient_layer(packed, name) if hasattr(lane, "epsilon") else None
+    if layer is not None:
+        wide = f"{_span(layer)} rad/s"
+        instead = f", or a control rate of {_short(rate)} Hz" if rate is not None else ""
+        text = f"{rule}a limit cycle. Most of it is k₂/ε: it would take ε = {wide}{instead}."
+        yield Note("warning", f"lanes.{name}.epsilon", text, {"lanes": {name: {"epsilon": layer}}})
+        return
+    ways = [] if rate is None else [f"{_short(rate)} Hz"]
+    ways += [f"gains {_short(gamma / limit)} times lower", "more armature"]
+    ways += ["a shorter delay"] if late else []
+    fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Note(
         "warning",
         "simulation.control_rate",
-        f"γ = {gamma:.3g}, a sampled loop{late} needs less than {limit:.3g}: expect divergence or "
-        f"a limit cycle. It would take {_way_out(rate, gamma / limit, bool(late))}.",
+        f"{rule}divergence or a limit cycle. It would take {', '.join(ways[:-1])} or {ways[-1]}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
 
 
-def _way_out(rate: float | None, excess: float, late: bool) -> str:
-    faster = f"{rate:.3g} Hz, " if rate is not None else ""
-    sooner = ", or a shorter delay" if late else ""
-    return f"{faster}gains {excess:.3g} times lower, more armature{sooner}"
+def _short(value: float) -> str:
+    """Return a number of three digits, without an exponent up to a million."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
-def _surface(packed: Packed, name: str) -> Iterator[Note]:
-    lane, horizon = packed.experiment.lanes[name], packed.experiment.simulation.horizon
-    if not hasattr(lane, "nu"):
+def _span(values: float | list[float]) -> str:
+    low, high = float(np.min(values)), float(np.max(values))
+    return _short(low) if low == high else f"{_short(low)} to {_short(high)}"
+
+
+def _sign(packed: Packed, name: str) -> Iterator[Note]:
+    simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
+    if getattr(lane, "switching", "") != "sign" or lane.reaching == "power" or not np.any(lane.k2):
         return
-    constant = float(np.max(np.divide(lane.c, lane.nu)))
-    if constant <= horizon:
-        return
-    nearest = float(f"{np.max(lane.c) * 3.0 / horizon:.2g}")
+    smooth = packed.experiment.patched({"lanes": {name: {"switching": "tanh"}}})
+    change: dict[str, Any] = {"switching": "tanh"}
+    other = pack(smooth)
+    if worst_margin(other, name) > margin_limit(simulation):
+        layer = sufficient_layer(other, name)
+        if layer is None:
+            return
+        change["epsilon"] = layer
+    width = _span(change.get("epsilon", lane.epsilon))
     yield Note(
         "info",
-        f"lanes.{name}.nu",
-        f"On the surface the error dies with c/ν = {constant:.3g} s, longer than the horizon of "
-        f"{horizon:g} s: it hardly converges. Try ν = {nearest:g} 1/s.",
-        {"lanes": {name: {"nu": min(nearest, 100.0)}}},
+        f"lanes.{name}.switching",
+        f"sign(S) makes the torque jump by 2k₂ = {_short(2.0 * np.max(lane.k2))} N·m up to "
+        f"{simulation.control_rate:g} times a second: it chatters. tanh with ε = {width} rad/s is "
+        "smooth at this rate.",
+        {"lanes": {name: change}},
     )
 
 
-def _torque(packed: Packed, name: str) -> Iterator[Note]:
-    robot, simulation = packed.experiment.robot, packed.experiment.simulation
-    if robot.torque_limit is None:
+def _convergence(packed: Packed, name: str) -> Iterator[Note]:
+    lane, horizon = packed.experiment.lanes[name], packed.experiment.simulation.horizon
+    wanted = _DECAYS / horizon
+    if hasattr(lane, "nu"):
+        field, symbol, unit, formula = "nu", "ν", "1/s", "On the surface the error dies with c/ν"
+        constant, nearest = np.max(np.divide(lane.c, lane.nu)), np.max(lane.c) * wanted
+    elif hasattr(lane, "lambda_"):
+        field, symbol, unit = "lambda_", "λ", "1/s"
+        formula = "On the surface the error dies with 1/λ"
+        constant, nearest = np.max(np.divide(1.0, lane.lambda_)), wanted
+    elif np.all(np.multiply(lane.kd, horizon) > 4.0 * _DECAYS):
+        field, symbol, unit, formula = "kp", "k_p", "1/s²", "The error dies with about k_d/k_p"
+        constant = np.max(np.divide(lane.kd, np.maximum(lane.kp, 1e-9)))
+        nearest = wanted * np.max(lane.kd)
+    else:
         return
-    torque = np.abs(initial_torque(packed, name))
-    limit = np.broadcast_to(np.asarray(robot.torque_limit, dtype=float), JOINTS)
+    if constant <= horizon:
+        return
+    value = min(float(f"{nearest:.2g}"), 100.0 if unit == "1/s" else 10_000.0)
+    slow = f"{formula} = {_short(constant)} s, longer than the horizon of {horizon:g} s"
+    yield Note(
+        "info",
+        f"lanes.{name}.{field}",
+        (f"{slow}: it hardly converges." if constant < 1e6 else "Nothing pulls the error to zero.")
+        + f" Try {symbol} = {value:g} {unit}.",
+        {"lanes": {name: {field: value}}},
+    )
+
+
+def _limits(packed: Packed) -> Array:
+    limit = packed.experiment.robot.torque_limit
+    return np.broadcast_to(np.asarray(np.inf if limit is None else limit, dtype=float), JOINTS)
+
+
+def _motion(packed: Packed, name: str) -> Iterator[Note]:
+    limit = _limits(packed)
+    if not np.any(np.isfinite(limit)):
+        return
+    need = required_torque(packed)
+    joint = int(np.argmax(need / limit))
+    if need[joint] <= limit[joint]:
+        return
+    enough = np.maximum(limit, np.ceil(_RESERVE * need)).tolist()
+    uniform = isinstance(packed.experiment.robot.torque_limit, float)
+    higher = {"robot": {"torque_limit": max(enough) if uniform else enough}}
+    yield Note(
+        "warning",
+        "robot.torque_limit",
+        f"The motion itself takes up to {_short(need[joint])} N·m of joint {joint + 1}, which has "
+        f"{_short(limit[joint])} N·m: no gains can follow it. Raise the limit, or make the motion "
+        "slower or smaller.",
+        higher if max(enough) <= 5000.0 else None,
+    )
+
+
+def _start(packed: Packed, name: str) -> Iterator[Note]:
+    limit = _limits(packed)
+    if not np.any(np.isfinite(limit)):
+        return
+    # A joint that the motion alone overtaxes is told of already.
+    able = required_torque(packed) <= limit
+    torque = np.where(able, np.abs(initial_torque(packed, name)), 0.0)
     joint = int(np.argmax(torque / limit))
-    if torque[joint] > limit[joint]:
-        yield Note(
-            "info",
-            "robot.torque_limit",
-            f"At the start joint {joint + 1} asks for {torque[joint]:.3g} N·m of the "
-            f"{limit[joint]:.3g} N·m it has: the loop begins in saturation.",
-        )
-    light = np.min(robot.armature) < 0.01
+    if torque[joint] <= limit[joint]:
+        return
+    yield Note(
+        "info",
+        "robot.torque_limit",
+        f"At the start joint {joint + 1} asks for {_short(torque[joint])} N·m of the "
+        f"{_short(limit[joint])} N·m it has: the loop begins in saturation. Start with the desired "
+        "velocity and no error, or lower the gains.",
+        _calmer_start(packed, name, able),
+    )
+
+
+def _calmer_start(packed: Packed, name: str, able: Array) -> dict[str, Any] | None:
+    """Return the patch of the start that keeps within the torque limits, if one does."""
+    for start_of in (
+        {"initial_velocity": "desired"},
+        {"initial_error": 0.0},
+        {"initial_velocity": "desired", "initial_error": 0.0},
+    ):
+        patch = {"simulation": start_of}
+        calmer = pack(packed.experiment.patched(patch))
+        if np.all(~able | (np.abs(initial_torque(calmer, name)) <= _limits(packed))):
+            return patch
+    return None
+
+
+def _wrists(packed: Packed, name: str) -> Iterator[Note]:
+    robot, simulation = packed.experiment.robot, packed.experiment.simulation
+    light = robot.torque_limit is not None and np.min(robot.armature) < 0.01
     if simulation.mode == "continuous" and light and simulation.step > 0.0001:
         yield Note(
             "warning",
@@ -231,20 +224,93 @@ def _torque(packed: Packed, name: str) -> Iterator[Note]:
         )
 
 
-def _network(packed: Packed, name: str) -> Iterator[Note]:
+def _blindness(packed: Packed, name: str) -> Iterator[Note]:
     lane = packed.experiment.lanes[name]
     if hasattr(lane, "width") and np.min(lane.width) < 0.35 * 2.0 * lane.center_span / 9.0:
         spacing = 2.0 * lane.center_span / 9.0
         yield Note(
             "info",
             f"lanes.{name}.width",
-            f"The Gaussians are narrower than the gaps between their centres ({spacing:.3g} rad): "
-            "between two of them the network is blind.",
+            "The Gaussians are narrower than the gaps between their centres "
+            f"({_short(spacing)} rad): between two of them the network is blind.",
             {"lanes": {name: {"width": float(f"{spacing:.2g}")}}},
         )
 
 
+def _windup(packed: Packed, name: str) -> Iterator[Note]:
+    """Tell how fast the weights grow while a joint gives all it has and S can't vanish."""
+    limit, work = _limits(packed), start(packed, name)
+    learns = (work[NETWORK_SLOPE] > 0.0) & (work[LEAKAGE] == 0.0)
+    if not np.any(learns & np.isfinite(limit)):
+        return
+    begins = learns & (np.abs(work[TAU]) > limit)
+    lasting = learns & (required_torque(packed) > limit)
+    if not np.any(begins | lasting):
+        return
+    sliding = np.where(begins, np.abs(work[S]), _LEFT)
+    growth = np.where(begins | lasting, work[NETWORK_SLOPE] * sliding, 0.0)
+    joint = int(np.argmax(growth))
+    leakage = float(f"{np.max(growth / limit) * 1.05:.2g}")
+    where = (
+        f"At the start joint {joint + 1} is at its limit with S = {_short(sliding[joint])} rad/s, "
+        "and until it comes off"
+        if begins[joint]
+        else f"Joint {joint + 1} lacks torque, and where that leaves S = {sliding[joint]:g} rad/s"
+    )
+    way_out = (
+        f"A leakage of {leakage:g} 1/s keeps it below the limit."
+        if leakage <= _MOST_LEAKAGE
+        else "Slower learning or a start with less error limits it."
+    )
+    yield Note(
+        "info",
+        f"lanes.{name}.leakage",
+        f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m a second. "
+        f"{way_out}",
+        {"lanes": {name: {"leakage": leakage}}} if leakage <= _MOST_LEAKAGE else None,
+    )
+
+
+def _unused(packed: Packed, name: str) -> Iterator[Note]:
+    experiment = packed.experiment
+    noise, delay = experiment.disturbance.sensor_noise, experiment.simulation.input_delay
+    settings = (
+        ("simulation.input_delay", delay, f"An input delay of {_short(1e3 * delay)} ms"),
+        ("disturbance.sensor_noise.position", noise.position, "Noise of the measured angles"),
+        ("disturbance.sensor_noise.velocity", noise.velocity, "Noise of the measured velocities"),
+    )
+    used = experiment.simulation.mode == "sampled" or not any(value for _, value, _ in settings)
+    if used:
+        return
+    change = _sampled(experiment)
+    for path, value, what in settings:
+        if value:
+            text = f"{what} acts in sampled mode only: this loop is continuous and has none of it."
+            yield Note("info", path, text, change)
+
+
+def _sampled(experiment: Experiment) -> dict[str, Any] | None:
+    """Return the patch that chooses sampled mode, if every lane is stable there."""
+    patch = {"simulation": {"mode": "sampled"}}
+    simulation = experiment.simulation.model_copy(update=patch["simulation"])
+    if simulation.horizon / simulation.row_period > MAX_STEPS:
+        return None
+    packed, limit = pack(experiment.patched(patch)), margin_limit(simulation)
+    stable = all(worst_margin(packed, name) < limit for name in experiment.lanes)
+    return patch if stable else None
+
+
 def notes(packed: Packed, name: str) -> list[Note]:
     """Return all remarks on one lane's numbers; an empty list says that nothing is amiss."""
-    checks = (_sampling, _surface, _torque, _network)
+    checks = (
+        _sampling,
+        _sign,
+        _convergence,
+        _motion,
+        _start,
+        _wrists,
+        _blindness,
+        _windup,
+        _unused,
+    )
     return [note for check in checks for note in check(packed, name)]

@@ -74,6 +74,7 @@ class Document:
         with self._lock:
             packed = pack(self.experiment.patched(patch))
             self._colors.assign(list(packed.gains))
+            self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
             change = self._accept(packed, patch, author, request)
             self._session.adopt(packed, change.revision, origins)
             self._tell(change)
@@ -154,3 +155,14 @@ class Document:
         # Inside the lock, so that every listener sees the changes in the order of their revisions.
         for listener in tuple(self.listeners):
             listener(change)
+
+
+def _renamed(baseline: Experiment, before: Experiment, after: Experiment) -> Experiment:
+    """Let the baseline follow when a lane gets another name, so that its gains still compare."""
+    gone = [name for name in before.lanes if name not in after.lanes]
+    new = [name for name in after.lanes if name not in before.lanes]
+    if len(gone) != 1 or len(new) != 1 or gone[0] not in baseline.lanes:
+        return baseline
+    names = [new[0] if name == gone[0] else name for name in baseline.lanes]
+    lanes = dict(zip(names, baseline.lanes.values(), strict=True))
+    return baseline.model_copy(update={"lanes": lanes}) if len(lanes) == len(names) else baseline

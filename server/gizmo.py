@@ -87,7 +87,6 @@ class Gizmo:
             visible=False,
         )
         self._handle.on_update(self._dragged)
-        viewer.on_client_disconnect(self._left)
 
     def follow(self, flange: Array) -> None:
         """Move the handle to the flange unless somebody holds it, and draw the pull.
@@ -114,18 +113,12 @@ class Gizmo:
 
     async def _dragged(self, event: viser.TransformControlsEvent) -> None:
         hold = self._hold
-        mine = hold is None or hold.client == event.client_id or self.force() is None
-        if event.phase == "end":
-            self._let_go(event.client_id)
-        elif mine and event.client_id is not None:
+        if hold is not None and hold.client != event.client_id and self.force() is not None:
+            return
+        if event.phase == "end":  # also when the browser has gone
+            self._hold = None
+        elif event.client_id is not None:
             target = np.array(event.target.position, dtype=float)
             # A browser sends what it likes; nan fails the comparison too.
             if target.shape == (3,) and (np.abs(target) < FARTHEST).all():
                 self._hold = _Hold(event.client_id, target, self._clock())
-
-    async def _left(self, client: viser.ClientHandle) -> None:
-        self._let_go(client.client_id)
-
-    def _let_go(self, client: int | None) -> None:
-        if self._hold is not None and self._hold.client == client:
-            self._hold = None

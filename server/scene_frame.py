@@ -74,14 +74,18 @@ class ShownLane:
         self.frozen = name in frame.frozen
         if self.frozen and self.q is not None:
             return
-        q = np.array(frame.q[name], dtype=float)
-        before = (frame.q_d, q) if self.q is None or self.q_d is None else (self.q_d, self.q)
+        q_d, q = np.array(frame.q_d, dtype=float), np.array(frame.q[name], dtype=float)
+        if self.q_d is None or self.q is None:
+            # Of the rows before the first picture only the last one's angles are known.
+            rows, before = slice(-1, None), (q_d, q)
+        else:
+            rows, before = slice(None), (self.q_d, self.q)
         stretch = Stretch(
-            frame.desired_path,
-            frame.paths[name],
-            np.array([before[0], frame.q_d]),
+            frame.desired_path[rows],
+            frame.paths[name][rows],
+            np.array([before[0], q_d]),
             np.array([before[1], q]),
             frame.period,
         )
         self.trail.extend(stretch, factor)
-        self.q_d, self.q = np.array(frame.q_d, dtype=float), q
+        self.q_d, self.q = q_d, q

@@ -89,7 +89,8 @@ class Studio:
     def state(self) -> dict[str, Any]:
         """Return the ``state`` message."""
         view = {"exaggeration": self.view.exaggeration, "ghosts": self.view.ghosts}
-        selected = self.view.selected or next(iter(self.document.experiment.lanes))
+        lanes = self.document.experiment.lanes
+        selected = self.view.selected if self.view.selected in lanes else next(iter(lanes))
         return {"type": "state", **self.session.state(), "selected": selected, "view": view}
 
     def metrics(self) -> dict[str, Any]:

@@ -7,12 +7,14 @@
  * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
- * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set.
+ * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
+ * open the lessons; `edits`: open the list of edits; `show`: the `tab` of the plots to be seen;
+ * `look`: the past `time` that the 3D scene shows, null for the present.
  */
 
-import {joined} from './merge_patch.js';
-import {ApiError, request, requestLines} from './http.js';
 import {Connection} from './connection.js';
+import {ApiError, request, requestLines} from './http.js';
+import {Outbox} from './outbox.js';
 import {decoded} from './telemetry_frame.js';
 
 export {ApiError};
@@ -35,14 +37,22 @@ export {ApiError};
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
-/** @typedef {ReturnType<typeof setTimeout>} Timer */
+/**
+ * @typedef {{name: string, title: string, summary: string, minutes: number, steps: number}}
+ *   LessonSummary
+ */
+/**
+ * @typedef {{text: string, choices: string[], answer: number, explanation: string[]}}
+ *   LessonQuestion
+ */
+/** @typedef {{path: string, label: string, was: string, now: string}} LessonChange */
+/**
+ * @typedef {{title: string, text: string[], preset: string, experiment: Document,
+ *   changes: LessonChange[], lane: string, view: string|null, exaggeration: number|null,
+ *   reset: boolean, question: LessonQuestion|null}} LessonStep
+ */
+/** @typedef {{name: string, title: string, steps: LessonStep[]}} Lesson */
 
-const NOT_CONNECTED = 'not connected: the change was not made';
-const SETTLE_MS = 3000;
-/** An answer may be lost: the server drops what a page that lags too far has missed. */
-const ANSWER_MS = 10_000;
-/** With more on the way a slow server would fall behind the hand; two hide the way there and back. */
-const MOST_ON_THE_WAY = 2;
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;
 
@@ -70,16 +80,15 @@ export class Api extends EventTarget {
   /** How the 3D scene is drawn. */
   drawn = {exaggeration: 1, ghosts: true};
 
-  /** @type {Document|null} */ #pending = null;
-  #id = 0;
-  /** @type {Map<number, {done: (error?: ApiError) => void, timer: Timer}>} */
-  #sent = new Map();
-  /** @type {(() => void)[]} */ #settling = [];
   #viewed = 0;
   #connection = new Connection('/api/live', {
     message: (/** @type {Document} */ message) => this.#receive(message),
     bytes: (/** @type {ArrayBuffer} */ bytes) => this.#emit('frame', decoded(bytes)),
     change: (/** @type {Document} */ detail) => this.#connectionChanged(detail),
+  });
+  #outbox = new Outbox({
+    send: (message) => this.#send(message),
+    refused: (refusal) => this.#emit('error', refusal),
   });
 
   /** Open the live connection; it re-opens by itself when it is lost. */
@@ -97,13 +106,8 @@ export class Api extends EventTarget {
    * @param {Document} patch JSON merge patch
    */
   patch(patch) {
-    const waiting = this.#pending !== null;
     this.#move(true);
-    this.#pending = joined(this.#pending ?? {}, patch);
-    if (waiting) return;
-    // A hidden page gets no animation frames.
-    const later = document.hidden ? setTimeout : requestAnimationFrame;
-    later(() => this.#flushIfIdle());
+    this.#outbox.add(patch);
   }
 
   /**
@@ -113,12 +117,7 @@ export class Api extends EventTarget {
    * @returns {Promise<void>} kept when the server has accepted it, broken with an ApiError;
    *   no `error` event is raised.
    */
-  change(patch) {
-    this.#flush();
-    return new Promise((resolve, reject) => {
-      this.#submit({type: 'patch', patch}, (error) => (error ? reject(error) : resolve()));
-    });
-  }
+  change(patch) { return this.#outbox.deliver({type: 'patch', patch}); }
 
   /**
    * Wait until the server has answered every patch, or long enough.
@@ -126,11 +125,7 @@ export class Api extends EventTarget {
    * @returns {Promise<void>}
    */
   async settled() {
-    this.#flush();
-    if (this.#sent.size) await Promise.race([
-      new Promise((resolve) => { this.#settling.push(() => resolve(undefined)); }),
-      new Promise((resolve) => { setTimeout(resolve, SETTLE_MS); }),
-    ]);
+    await this.#outbox.settled();
     this.#move(false);
   }
 
@@ -148,13 +143,7 @@ export class Api extends EventTarget {
    * @param {string} name
    * @returns {Promise<void>}
    */
-  duplicateLane(origin, name) {
-    this.#flush();
-    return new Promise((resolve, reject) => {
-      const lane = {type: 'lane', origin, name};
-      this.#submit(lane, (error) => (error ? reject(error) : resolve()));
-    });
-  }
+  duplicateLane(origin, name) { return this.#outbox.deliver({type: 'lane', origin, name}); }
 
   // The session
 
@@ -199,6 +188,9 @@ export class Api extends EventTarget {
   /** @param {string} name */
   loadPreset(name) { return request('POST', `${presetAddress(name)}/load`); }
 
+  /** @param {string} name */
+  deletePreset(name) { return request('DELETE', presetAddress(name)); }
+
   /**
    * Save the live experiment.
    *
@@ -213,9 +205,6 @@ export class Api extends EventTarget {
     return saved;
   }
 
-  /** @param {string} name */
-  deletePreset(name) { return request('DELETE', presetAddress(name)); }
-
   /** @returns {Promise<string>} the live experiment as YAML */
   async exportYaml() {
     await this.settled();
@@ -224,6 +213,15 @@ export class Api extends EventTarget {
 
   /** @param {string|Document} document YAML text or a whole experiment */
   replaceExperiment(document) { return request('PUT', '/api/experiment', document); }
+
+  /** @returns {Promise<LessonSummary[]>} */
+  async lessons() { return (await request('GET', '/api/lessons')).lessons; }
+
+  /**
+   * @param {string} name
+   * @returns {Promise<Lesson>} with every step's experiment
+   */
+  lesson(name) { return request('GET', `/api/lessons/${encodeURIComponent(name)}`); }
 
   // Whole runs beside the live session
 
@@ -264,6 +262,39 @@ export class Api extends EventTarget {
     return request('POST', '/api/preview', {...body, client: `${this.client} preview`}, signal);
   }
 
+  // The past
+
+  /** @returns {Promise<import('./edit_history.js').Edit[]>} of this session, oldest first */
+  async edits() { return (await request('GET', '/api/history')).edits; }
+
+  /**
+   * Go back to the experiment as it was after an edit; time and states go on.
+   *
+   * @param {number} number of the edit
+   * @returns {Promise<{experiment: Document}>}
+   */
+  restoreEdit(number) { return request('POST', `/api/history/${number}/restore`); }
+
+  /** @returns {Promise<{from: number|null, to: number|null}>} recorded moments in [s] */
+  past() { return request('GET', '/api/session/past'); }
+
+  /**
+   * Show a past moment in the 3D scene; the session pauses.
+   *
+   * @param {number|null} time in [s]; null: the present
+   */
+  look(time) {
+    this.dispatchEvent(new CustomEvent('look', {detail: {time}}));
+    return request('POST', '/api/session/look', {time});
+  }
+
+  /**
+   * Let all lanes go back to a recorded moment and go on from there, a variant of one beside them.
+   *
+   * @param {{time: number, origin: string, name: string, gains?: Document}} branch
+   */
+  fork(branch) { return request('POST', '/api/session/fork', branch); }
+
   // What arrives
 
   /** @param {Document} detail */
@@ -271,8 +302,7 @@ export class Api extends EventTarget {
     // Connected means resynchronised: only `hello` says so.
     if (detail.open) return;
     this.connected = false;
-    const lost = new ApiError(0, 'lost', NOT_CONNECTED);
-    for (const id of [...this.#sent.keys()]) this.#answered(id, lost);
+    this.#outbox.lost();
     this.#emit('connection', {connected: false, ...detail});
   }
 
@@ -284,7 +314,9 @@ export class Api extends EventTarget {
       case 'patch':
         this.experiment = message.experiment;
         this.#emit('patch', message);
-        if (message.author === this.client && message.id !== null) this.#answered(message.id);
+        if (message.author === this.client && message.id !== null) {
+          this.#outbox.answered(message.id);
+        }
         return;
       case 'state':
         this.session = /** @type {State} */ (message);
@@ -315,53 +347,8 @@ export class Api extends EventTarget {
   #refused(message) {
     const {code, message: text, fields} = message.error;
     const error = new ApiError(422, code, text, fields);
-    if (!this.#sent.has(message.id)) this.#emit('error', {id: message.id, error, patch: null});
-    else this.#answered(message.id, error);
-  }
-
-  /**
-   * The server takes patches in order, so that an answer covers all that were sent before it.
-   *
-   * @param {number} id
-   * @param {ApiError} [error]
-   */
-  #answered(id, error) {
-    for (const [older, {done, timer}] of [...this.#sent]) {
-      if (older > id) continue;
-      clearTimeout(timer);
-      this.#sent.delete(older);
-      done(older === id ? error : undefined);
-    }
-    this.#flushIfIdle();
-    if (this.#sent.size) return;
-    for (const resolve of this.#settling.splice(0)) resolve();
-  }
-
-  // What leaves
-
-  #flushIfIdle() { if (this.#sent.size < MOST_ON_THE_WAY) this.#flush(); }
-
-  #flush() {
-    const patch = this.#pending;
-    if (!patch) return;
-    this.#pending = null;
-    const id = this.#id + 1;
-    this.#submit({type: 'patch', patch}, (error) => {
-      if (error) this.#emit('error', {id, error, patch});
-    });
-  }
-
-  /**
-   * @param {Document} message
-   * @param {(error?: ApiError) => void} done
-   */
-  #submit(message, done) {
-    this.#id += 1;
-    const id = this.#id;
-    const give = (/** @type {string} */ text) => this.#answered(id, new ApiError(0, 'lost', text));
-    const timer = setTimeout(() => give('the server has not answered'), ANSWER_MS);
-    this.#sent.set(id, {done, timer});
-    if (!this.#send({...message, id})) give(NOT_CONNECTED);
+    if (this.#outbox.answered(message.id, error)) return;
+    this.#emit('error', {id: message.id, error, patch: null});
   }
 
   /** @param {Document} message */

@@ -77,8 +77,8 @@ export class JointsControl extends Control {
     this.#switch.checked = !off;
     this.#all.slider.hidden = off || mixed;
     this.#all.box.hidden = off || mixed;
-    this.#values.hidden = !off && !mixed;
-    this.#values.textContent = off ? 'off' : mixed ? shortened(this.current) : '';
+    this.#values.hidden = !mixed;
+    this.#values.textContent = mixed ? shortened(this.current) : '';
     this.#unit.textContent = off ? '' : this.field.unit;
     this.#merge.hidden = !mixed || this.field.kind === 'vector';
     if (off) this.#open(false);

@@ -3,6 +3,7 @@
 
 import {element, withIndices} from './element.js';
 import {icon} from './icons.js';
+import {Knobs} from './knobs.js';
 import {mount as mountLanes} from './lanes.js';
 import {leaves} from './merge_patch.js';
 import {rememberOpen} from './remembered.js';
@@ -30,7 +31,7 @@ export function mount(place, api, history, tell) {
   api.addEventListener('hello', async () => {
     const schema = new Schema(await api.schema());
     mountLanes(lanes, api, history, schema, tell);
-    new Tuning(schema, api, history, tell).mount(gains, rest);
+    new Tuning(schema, api, history, tell).mount(place, gains, rest);
   }, {once: true});
 }
 
@@ -44,6 +45,7 @@ class Tuning {
   /** @type {Group[]} */ #sections = [];
   #built = '';
   /** @type {HTMLElement} */ #place = element('div');
+  /** @type {Knobs|null} */ #knobs = null;
 
   /**
    * @param {Schema} schema
@@ -59,16 +61,18 @@ class Tuning {
   }
 
   /**
+   * @param {HTMLElement} column
    * @param {HTMLElement} gains
    * @param {HTMLElement} rest
    */
-  mount(gains, rest) {
+  mount(column, gains, rest) {
     this.#place = gains;
     const context = {api: this.#api, history: this.#history};
     this.#sections = this.#schema.sections()
       .map((section) => new SectionGroup(this.#schema, section, context));
     rest.append(...this.#sections.map((section) => section.element));
     this.#refresh();
+    const desk = {...context, tell: this.#tell, schema: this.#schema};
     for (const type of ['select', 'saved']) this.#api.addEventListener(type, () => this.#refresh());
     this.#api.addEventListener('hello', () => {
       for (const control of this.#controls) control.refuse('');
@@ -76,6 +80,9 @@ class Tuning {
     });
     this.#api.addEventListener('patch', (event) => this.#patched(detail(event)));
     this.#api.addEventListener('error', (event) => this.#refused(detail(event)));
+    // After the listeners above: what it has to say stands beside controls that are up to date.
+    this.#knobs = new Knobs(desk, column, gains, (path) => this.#fieldAt(path));
+    gains.querySelector('.gains-head')?.after(this.#knobs.element);
   }
 
   get #groups() { return [...this.#gains, ...this.#sections]; }
@@ -107,8 +114,13 @@ class Tuning {
       group.add(fields.get(name) ?? [], {api: this.#api, history: this.#history});
       return group;
     });
-    this.#place.replaceChildren(this.#heading(law, lane), ...this.#gains.map((g) => g.element));
+    const knobs = this.#knobs ? [this.#knobs.element] : [];
+    const groups = this.#gains.map((group) => group.element);
+    this.#place.replaceChildren(this.#heading(law, lane), ...knobs, ...groups);
   }
+
+  /** @param {string} path dotted */
+  #fieldAt(path) { return this.#controls.find(({field}) => field.path.join('.') === path)?.field; }
 
   /**
    * @param {string} law

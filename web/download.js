@@ -92,7 +92,7 @@ export function spectrumTable(ring, panels, window, freezes) {
  * @param {{header: string, values: Float32Array|Float64Array}[]} columns
  * @returns {Blob}
  */
-function table(columns) {
+export function table(columns) {
   const rows = Math.max(0, ...columns.map(({values}) => values.length));
   const parts = [`${columns.map(({header}) => quoted(header)).join(',')}\r\n`];
   for (let first = 0; first < rows; first += ROWS_PER_PART) {

@@ -108,23 +108,35 @@ export function figure(drawing) {
  */
 function line(drawing, {panel}, {trace, x, y}, index) {
   const desired = trace.role === 'desired';
-  const color = desired ? drawing.theme.desired : drawing.colors.get(trace.lane);
-  const width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3;
+  const color = desired ? drawing.theme.desired : colorOf(drawing, trace.lane);
+  const {
+    name = desired ? 'desired' : trace.lane, dash = desired ? '6px,4px' : 'solid', opacity = 1,
+    width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3,
+  } = trace.look ?? {};
   return {
     type: 'scatter',
     mode: 'lines',
     uid: traceId(trace.role, drawing, index, trace.lane),
-    name: desired ? 'desired' : plain(trace.lane),
+    name: plain(name),
+    opacity,
     x,
     y,
     xaxis: 'x',
     yaxis: `y${axisNumber(index)}`,
     // The points are few already; leaving more out would cost peaks.
-    line: {color, width, dash: desired ? '6px,4px' : 'solid', simplify: false},
+    line: {color, width, dash, simplify: false},
     hovertemplate: `%{y:.4~g} ${panel.unit}`,
     showlegend: Boolean(drawing.legend) && index === 0,
   };
 }
+
+/**
+ * A lane that only a baseline still has is grey.
+ *
+ * @param {Drawing} drawing
+ * @param {string} lane
+ */
+function colorOf({colors, theme}, lane) { return colors.get(lane) ?? theme.muted; }
 
 /**
  * @param {Drawing} drawing
@@ -133,11 +145,12 @@ function line(drawing, {panel}, {trace, x, y}, index) {
  */
 function cross(drawing, curve, index) {
   if (!curve.cross) return [];
-  const {lane} = curve.trace;
+  const {lane, role} = curve.trace;
+  const color = colorOf(drawing, lane);
   return [{
     type: 'scatter',
     mode: 'markers',
-    uid: traceId('cross', drawing, index, lane),
+    uid: traceId(`cross-${role}`, drawing, index, lane),
     name: plain(lane),
     x: [curve.cross.x],
     y: [curve.cross.y],
@@ -145,8 +158,7 @@ function cross(drawing, curve, index) {
     yaxis: `y${axisNumber(index)}`,
     cliponaxis: false,
     marker: {
-      symbol: 'x-thin', size: 10, color: drawing.colors.get(lane),
-      line: {width: 2.5, color: drawing.colors.get(lane)},
+      symbol: 'x-thin', size: 10, color, line: {width: 2.5, color},
     },
     hovertemplate: wrapped(curve.cross.text),
     showlegend: false,

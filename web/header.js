@@ -1,6 +1,7 @@
 // @ts-check
 /** The bar at the top: presets, documents, history, status. */
 
+import {editsButton} from './edit_history.js';
 import {element} from './element.js';
 import {icon} from './icons.js';
 import {showKeys} from './keys.js';
@@ -42,16 +43,21 @@ export function mountHeader(place, api, history, presets, chooseFile) {
     class: 'button icon-only', type: 'button', 'aria-label': 'Keys', title: 'Keys (?)',
     on: {click: showKeys},
   }, icon('keyboard'));
-  const more = moreButton(presets, chooseFile);
+  const openLessons = () => { api.dispatchEvent(new CustomEvent('learn')); };
+  const learn = tool('learn', 'Learn', 'Lessons (L)', openLessons);
+  const openEdits = () => { api.dispatchEvent(new CustomEvent('edits')); };
+  const more = moreButton(presets, chooseFile, openLessons, openEdits);
   const extras = element('div', {class: 'tools wide-only'}, themeButton(), keys);
-  place.append(brand, presets.button, documents, historyTools(history), more,
+  place.append(brand, presets.button, documents, historyTools(api, history),
+    element('div', {class: 'tools wide-only'}, learn), more,
     element('div', {class: 'spring'}), status, extras);
-  // A button pressed with the pointer must not keep the space bar from pausing.
-  place.addEventListener('mousedown', (event) => event.preventDefault());
 }
 
-/** @param {import('./history.js').History} history */
-function historyTools(history) {
+/**
+ * @param {import('./api.js').Api} api
+ * @param {import('./history.js').History} history
+ */
+function historyTools(api, history) {
   const undo = tool('undo', 'Undo', 'Undo', () => { history.undo(); });
   const redo = tool('redo', 'Redo', 'Redo', () => { history.redo(); });
   for (const button of [undo, redo]) button.classList.add('icon-only');
@@ -64,14 +70,17 @@ function historyTools(history) {
   };
   history.addEventListener('change', show);
   show();
-  return element('div', {class: 'tools', role: 'group', 'aria-label': 'History'}, undo, redo);
+  return element('div', {class: 'tools', role: 'group', 'aria-label': 'History'}, undo, redo,
+    element('span', {class: 'wide-only'}, editsButton(api, history)));
 }
 
 /**
  * @param {import('./presets.js').Presets} presets
  * @param {() => void} chooseFile
+ * @param {() => void} openLessons
+ * @param {() => void} openEdits
  */
-function moreButton(presets, chooseFile) {
+function moreButton(presets, chooseFile, openLessons, openEdits) {
   const button = element('button', {
     class: 'button icon-only narrow-only', type: 'button', 'aria-label': 'More',
     'aria-haspopup': 'menu',
@@ -79,6 +88,8 @@ function moreButton(presets, chooseFile) {
       {label: 'Save as preset…', icon: 'save', run: () => presets.save()},
       {label: 'Export YAML', icon: 'download', run: () => presets.export()},
       {label: 'Import…', icon: 'upload', run: chooseFile},
+      {label: 'Lessons', icon: 'learn', run: openLessons},
+      {label: 'Edits of this session', icon: 'clock', run: openEdits},
       'separator',
       {label: 'Light, dark or as the system', icon: 'moon', run: nextTheme},
       {label: 'Keys', icon: 'keyboard', run: showKeys},

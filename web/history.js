@@ -94,7 +94,24 @@ export class History extends EventTarget {
     await this.commit();
     const {preset, experiment} = this.#api;
     await action();
-    this.#push({label, back: () => this.#restore(preset, experiment), forward: action});
+    this.#push({label, back: () => this.restore(preset, experiment), forward: action});
+  }
+
+  /**
+   * Do something by which the server changes any number of fields; undo takes back just those.
+   *
+   * @param {string} label
+   * @param {() => Promise<{experiment: Document}>} action
+   * @throws {import('./api.js').ApiError} when the server refuses; nothing has changed then
+   */
+  async travelTo(label, action) {
+    await this.commit();
+    const before = this.#api.experiment;
+    const {experiment} = await action();
+    const back = difference(experiment, before);
+    const forward = difference(before, experiment);
+    if (!Object.keys(back).length) return;
+    this.#push({label, back: () => this.#apply(back), forward: () => this.#apply(forward)});
   }
 
   /** Take the last edit back. */
@@ -104,10 +121,12 @@ export class History extends EventTarget {
   redo() { return this.#travel('forward'); }
 
   /**
-   * @param {string} preset
+   * Bring back an experiment that came from a preset.
+   *
+   * @param {string} preset name, or '' for none
    * @param {Document} experiment
    */
-  async #restore(preset, experiment) {
+  async restore(preset, experiment) {
     const presets = await this.#api.listPresets();
     if (!presets.some(({name}) => name === preset)) {
       await this.#api.replaceExperiment(experiment);

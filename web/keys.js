@@ -11,12 +11,16 @@ const HELP = [
   ['→', 'One control step (pauses first)'],
   ['Backspace', 'Reset to t = 0'],
   ['K', 'Kick: a push on the joints'],
+  ['L', 'Lessons'],
+  ['H', 'Edits of this session, and the way back'],
   ['1 to 6', 'Show or hide a joint in the plots'],
+  ['A, B', 'Set a cursor in the plots, where the pointer is'],
+  ['← →, Shift ← →', 'Move the chosen cursor, a little or more'],
   ['Ctrl Z', 'Undo'],
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
   ['Ctrl V', 'Import an experiment from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
-  ['Esc', 'Take back what is typed; close'],
+  ['Esc', 'Take back what is typed; remove the cursors; close'],
   ['?', 'This list'],
 ];
 
@@ -51,7 +55,7 @@ function isElement(target) { return target !== null && 'matches' in target; }
 function isTaken(target, key) {
   if (!isElement(target)) return false;
   if (key === ' ' || key === 'Enter') {
-    return target.matches('button, a[href], summary, input:not([type="range"])');
+    return target.matches('button, a[href], summary, input:not([type="range"], [type="radio"]:checked)');
   }
   if (!key.startsWith('Arrow')) return false;
   return target.matches('input, [role="tab"], [role="separator"], [role="slider"]');
@@ -81,6 +85,10 @@ export function keyHandler(api, history) {
     },
     Backspace: () => api.reset(),
     k: () => api.kick(),
+    a: () => setCursor(api, 'A'),
+    b: () => setCursor(api, 'B'),
+    l: () => { api.dispatchEvent(new CustomEvent('learn')); },
+    h: () => { api.dispatchEvent(new CustomEvent('edits')); },
     '?': showKeys,
   };
   return (event) => {
@@ -103,6 +111,14 @@ export function keyHandler(api, history) {
 function chosen(actions, key) {
   const name = key.length === 1 ? key.toLowerCase() : key;
   return Object.hasOwn(actions, name) ? actions[name] : null;
+}
+
+/**
+ * @param {import('./api.js').Api} api
+ * @param {'A'|'B'} name
+ */
+function setCursor(api, name) {
+  api.dispatchEvent(new CustomEvent('cursor', {detail: name}));
 }
 
 /**

@@ -8,7 +8,8 @@ import {element, freshId} from './element.js';
 
 /**
  * What is known of the chosen lane when a lens is shown.
- * @typedef {{seen: any, lane: string, color: string, joint: number, horizon: number}} Look
+ * @typedef {{seen: any, lane: string, color: string, joint: number, horizon: number,
+ *   gains: {[name: string]: any}}} Look
  */
 
 /** One picture with what it says. */

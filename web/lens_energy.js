@@ -14,13 +14,14 @@ const USUAL = 0.97;
  * @param {Colors} colors
  * @param {{time: number[], V: number[], V_rate: number[]}} sliding
  * @param {string} color of the lane
+ * @param {boolean} marked whether V itself is marked where it grows
  */
-export function energyFigure(colors, {time, V, V_rate: rate}, color) {
+export function energyFigure(colors, {time, V, V_rate: rate}, color, marked) {
   const most = Math.max(1e-12, ...V);
   const top = Math.log10(most) + 0.2;
   const seen = V.map((value) => (value > most * 10 ** -DECADES ? value : null));
   const growing = seen.map((value, index) => (
-    rate[index] > 0 || rate[index - 1] > 0 ? value : null
+    marked && (rate[index] > 0 || rate[index - 1] > 0) ? value : null
   ));
   const usual = spanned(rate);
   const filled = (/** @type {string} */ uid, /** @type {string} */ tint, /** @type {number[]} */ y) => ({

@@ -45,8 +45,8 @@ export class NetworkLens {
     }, this.#weights.element);
     this.#torqueCard = new LensCard({
       title: 'What f has learnt', equation: 'Eq. 9, 20, 22',
-      words: 'Dashed: the torque τ_eq + F that a controller would ask for which knew the arm and '
-        + 'the disturbance exactly. What f leaves open, k₁S + k₂sw(S) must hold: it takes an error.',
+      words: 'Dashed: the torque τ_eq + F that exact knowledge of arm and disturbance would ask '
+        + 'for. What f leaves open k₁S + k₂sw(S) must hold, and that takes an error.',
     }, this.#torque.element);
     this.element = [
       this.#gaussianCard.element, this.#weightCard.element, this.#torqueCard.element,
@@ -67,10 +67,10 @@ export class NetworkLens {
     const one = network.joints[joint - 1];
     const [name, symbol] = INPUTS[network.input] ?? ['the input', 'x'];
     this.#gaussianCard.words = `Each curve is one Gaussian’s answer h to ${name} ${symbol} of joint `
-      + `${joint}; the bars are the inputs that this run had. Only where the curves bend within the `
-      + 'bars can the network tell one input from another.';
+      + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
+      + 'the network tell one input from another.';
     this.#gaussianCard.facts = gaussianFacts(one);
-    this.#gaussianCard.finding = gaussianFinding(one, network.centers);
+    this.#gaussianCard.finding = gaussianFinding(one, network.input);
     this.#drawGaussians();
     this.#weights.draw(`Joint ${joint}: weights at the end, and their norm over time`, (colors) => (
       weightFigure(colors, look, network, one)
@@ -116,18 +116,18 @@ function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, hi
 
 /**
  * @param {any} one
- * @param {number[]} centers
+ * @param {string} input
  */
-function gaussianFinding({coverage, effective_nodes: nodes}, centers) {
+function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
   if (coverage < 0.9) {
     return `For ${percent(1 - coverage)} of the run no Gaussian answers: there the network is blind. `
       + 'Wider ones, or centres that span the inputs, would help.';
   }
   if (nodes < ONE_NODE) {
-    const gap = (centers[centers.length - 1] - centers[0]) / (centers.length - 1);
+    const other = input === 'error' ? ', or the network look at q_d, which ranges wider' : '';
     return 'All ten answer alike, whatever the input: together they are one weight, an integrator '
-      + `of S. To tell inputs apart, b must be no larger than the inputs’ range; the centres lie `
-      + `${threeDigits(gap)} rad apart.`;
+      + `of S. To tell inputs apart, b and the centres’ gaps would have to be smaller than the range `
+      + `of the inputs, ${threeDigits(high - low)} rad${other}.`;
   }
   return `Over these inputs the ten work like ${nodes.toFixed(1)} independent ones: the network can `
     + 'keep another torque for another input.';

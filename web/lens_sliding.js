@@ -16,6 +16,10 @@ const PLANE_HEIGHT = 300;
 const ENERGY_HEIGHT = 250;
 /** Share of the time below which "never" is fair. */
 const HARDLY = 0.0005;
+/** Turns of V a second that are no motion of the arm's any more. */
+const RESTLESS = 50;
+/** Distance of two points, in widths of the picture, across which no line belongs. */
+const APART = 0.05;
 
 /** Shows the plane of one joint, and V of all. */
 export class SlidingLens {
@@ -42,7 +46,7 @@ export class SlidingLens {
     this.#energyCard = new LensCard({
       title: 'Does V fall?', equation: 'Eq. 23, first term',
       words: 'V = ½ SᵀMS tells how far all six joints together are from their lines S = 0. Where '
-        + 'dV/dt is above zero, what disturbs the arm is stronger than the reaching law.',
+        + 'dV/dt is above zero, what the arm needs or suffers outruns the reaching law.',
     }, this.#energy.element);
     this.element = [this.#planeCard.element, this.#energyCard.element];
   }
@@ -50,23 +54,22 @@ export class SlidingLens {
   /** @param {Look} look */
   show(look) {
     this.#look = look;
-    const {seen, joint, horizon, color} = look;
+    const {seen, joint, horizon, color, gains} = look;
     const one = seen.sliding.joints[joint - 1];
     this.#planeCard.words = `Each point is one moment of joint ${joint}: how far it is off (e) and `
-      + 'how fast that changes (de). The controller pulls the point onto the line S = 0; along the '
-      + 'line the error then slides to zero by itself.';
+      + 'how fast that changes (de). The controller pulls it onto the line S = 0, along which the '
+      + 'error slides to zero.';
     this.#planeCard.facts = planeFacts(one);
-    this.#planeCard.finding = planeFinding(one, horizon);
+    this.#planeCard.finding = planeFinding(one, horizon, gains.switching === 'sign');
     this.#drawPlane();
-    const {growing, growing_outside: outside} = seen.sliding;
+    const {growing, outside} = seen.sliding;
     this.#energyCard.facts = [
       {name: 'V grows', value: `${percent(growing)} of the time`},
-      {name: 'outside the layer',
-        value: outside === null ? 'never there' : `${percent(outside)} of that time`},
+      {name: 'some S outside its layer', value: outside ? `${percent(outside)} of the time` : 'never'},
     ];
-    this.#energyCard.finding = energyFinding(seen.sliding);
+    this.#energyCard.finding = energyFinding(seen.sliding, horizon);
     this.#energy.draw('V and its derivative over time', (colors) => (
-      energyFigure(colors, seen.sliding, color)
+      energyFigure(colors, seen.sliding, color, seen.sliding.turns < RESTLESS)
     ));
   }
 
@@ -107,34 +110,47 @@ function planeFacts(one) {
 /**
  * @param {any} one
  * @param {number} horizon
+ * @param {boolean} sign whether it switches by sign(S)
  */
-function planeFinding(one, horizon) {
+function planeFinding(one, horizon, sign) {
   const {layer, reaching_time: reached, inside, time_constant: constant} = one;
   const slow = constant > horizon
-    ? ` On the line the error needs ${threeDigits(constant)} s to fall to a third: longer than `
-      + `this run of ${threeDigits(horizon)} s, so that it hardly converges.` : '';
+    ? ` On the line the error takes ${threeDigits(constant)} s to fall to a third, longer than this `
+      + `run of ${threeDigits(horizon)} s: it hardly converges.` : '';
   if (!layer) return `This law has no boundary layer: it pulls in proportion to S.${slow}`;
   if (reached === null) {
     return `S never came within the layer: k₁ and k₂ don’t overcome what acts on this joint.${slow}`;
+  }
+  if (sign) {
+    return 'sign(S) knows no layer: it pushes with all of k₂ on one side of the line and then on the '
+      + `other. ε only marks here what counts as reached.${slow}`;
   }
   if (1 - inside < HARDLY) {
     return `The whole response lies within the layer: there tanh and saturation are little more `
       + `than a gain k₂/ε, and nothing switches.${slow}`;
   }
-  return `S came within the layer after ${threeDigits(reached)} s and was outside it for `
-    + `${percent(1 - inside)} of the time.${slow}`;
+  const begins = reached ? `S came within the layer after ${threeDigits(reached)} s` : 'S begins within the layer';
+  return `${begins} and is outside it for ${percent(1 - inside)} of the time.${slow}`;
 }
 
-/** @param {any} sliding */
-function energyFinding({growing_outside: outside}) {
-  if (outside === null) {
-    return 'Every S stays within its layer. There nothing forces V to fall: it follows the motion.';
+/**
+ * @param {any} sliding
+ * @param {number} horizon
+ */
+function energyFinding({outside, growing_outside: growing, turns}, horizon) {
+  if (turns > RESTLESS) {
+    return `V turns ${threeDigits(turns)} times a second: the torque is held for a whole sample and `
+      + 'pushes beyond the line each time. That is chattering, not a lack of gain.';
   }
-  if (outside < HARDLY) {
-    return 'Outside the layer V falls all the time: there the gains beat everything that disturbs.';
+  const follows = 'within the layers nothing forces V to fall, it follows the motion.';
+  if (!outside) return `Every S stays within its layer: ${follows}`;
+  const span = `${threeDigits(outside * horizon)} s in all`;
+  if (growing < HARDLY) {
+    return `While some S is outside its layer (${span}) V falls all the time: there the gains beat `
+      + `everything that disturbs. ${follows.replace('w', 'W')}`;
   }
-  return `Outside the layer V grows for ${percent(outside)} of the time: there the gains k₁, k₂ are `
-    + 'too small for what disturbs the arm, or a joint pulls its neighbours along.';
+  return `While some S is outside its layer (${span}) V grows for ${percent(growing)} of that time: `
+    + 'the gains k₁, k₂ are too small for what disturbs the arm then, or a joint pulls its neighbours.';
 }
 
 /**
@@ -188,7 +204,8 @@ function planeFigure(colors, {color, joint, lane, horizon}, one, trail, fit) {
     }),
     line({
       uid: 'path', x: one.e, y: one.de, customdata: one.time, hoverinfo: undefined,
-      hovertemplate: point, name: plain(lane), line: {color, width: 1.3, simplify: false},
+      hovertemplate: point, name: plain(lane), mode: isCloud(one) ? 'markers' : 'lines',
+      marker: {color, size: 3}, line: {color, width: 1.3, simplify: false},
     }),
     {
       type: 'scatter', mode: 'markers', uid: 'start', x: one.e.slice(0, 1), y: one.de.slice(0, 1),
@@ -206,6 +223,20 @@ function planeFigure(colors, {color, joint, lane, horizon}, one, trail, fit) {
 }
 
 /**
+ * Whether the moments jump about so that lines between the chosen ones would be invented.
+ *
+ * @param {{e: number[], de: number[]}} one
+ */
+function isCloud({e, de}) {
+  const size = (/** @type {number[]} */ list) => Math.max(...list) - Math.min(...list) || 1;
+  const [width, height] = [size(e), size(de)];
+  const steps = e.slice(1).map((value, index) => (
+    Math.hypot((value - e[index]) / width, (de[index + 1] - de[index]) / height)
+  )).sort((first, second) => first - second);
+  return steps.length > 0 && steps[Math.floor(steps.length / 2)] > APART;
+}
+
+/**
  * @param {Colors} colors
  * @param {Trail} trail
  * @param {string} color
@@ -213,7 +244,8 @@ function planeFigure(colors, {color, joint, lane, horizon}, one, trail, fit) {
 function live(colors, trail, color) {
   if (!trail) return [];
   return [{
-    type: 'scatter', mode: 'lines', uid: 'trail', x: trail.e, y: trail.de, hoverinfo: 'skip',
+    type: 'scatter', mode: isCloud(trail) ? 'markers' : 'lines', uid: 'trail', x: trail.e,
+    y: trail.de, hoverinfo: 'skip', marker: {color: faint(color, 0.45), size: 6},
     line: {color: faint(color, 0.45), width: 4, simplify: false},
   }, {
     type: 'scatter', mode: 'markers', uid: 'live', x: trail.e.slice(-1), y: trail.de.slice(-1),

@@ -13,7 +13,12 @@ import {extent, wanted} from './y_range.js';
 /** @typedef {import('./y_range.js').Range} Range */
 /** @typedef {{time: number, text: string}} Freeze */
 /** @typedef {{x: number, y: number, text: string}} Cross */
-/** @typedef {{trace: Trace, x: Float64Array, y: Float64Array, cross: Cross|null}} Curve */
+/** @typedef {{name?: string, width?: number, dash?: string, opacity?: number}} Look */
+/**
+ * `look` says what the trace's role doesn't.
+ * @typedef {{trace: Pick<Trace, 'lane'|'role'> & {look?: Look}, x: Float64Array|Float32Array,
+ *   y: Float64Array|Float32Array, cross: Cross|null}} Curve
+ */
 /** @typedef {{panel: Panel, curves: Curve[], range: Range}} DrawnPanel */
 /**
  * @typedef {{ring: Ring, panels: Panel[], window: Range, pixels: number, ranges: YRanges,

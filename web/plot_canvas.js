@@ -3,7 +3,6 @@
 
 import {element} from './element.js';
 import {MARGIN, figure, library, themeOf} from './figure.js';
-import {spectrumPanels, timePanels} from './panel_curves.js';
 import {PlotGestures} from './plot_gestures.js';
 import {PlotRedraw} from './plot_redraw.js';
 import {RedrawPace} from './redraw_pace.js';
@@ -12,13 +11,17 @@ import {YRanges} from './y_range.js';
 
 /** @typedef {import('./y_range.js').Range} Range */
 /** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
+/** @typedef {{pixels: number, ranges: YRanges}} Room */
 /**
- * Everything that decides what is drawn.
- * @typedef {{ring: import('./ring.js').Ring, view: import('./plot_views.js').View,
- *   panels: import('./plot_views.js').Panel[], window: Range, zoomed: Map<string, Range>,
- *   freezes: Map<string, import('./panel_curves.js').Freeze>,
- *   marks: import('./revision_marks.js').RevisionMark[], colors: Map<string, string>,
- *   selected: string}} CanvasSheet
+ * Everything that decides what is drawn. `message` says why there is nothing to see, or ''.
+ * @typedef {{title: string, spectrum: boolean, panels: {title: string, quantity: string}[],
+ *   window: Range, zoomed: Map<string, Range>, curves: (room: Room) => DrawnPanel[],
+ *   message: string, marks: import('./revision_marks.js').RevisionMark[],
+ *   colors: Map<string, string|undefined>, selected: string}} CanvasSheet
+ */
+/**
+ * Where the times lie on the stage, in pixels.
+ * @typedef {{window: Range, left: number, width: number, height: number}} TimeAxis
  */
 
 /** Lower than this a panel can't be read; the stage scrolls instead. */
@@ -42,7 +45,8 @@ export class Canvas {
   /**
    * @param {HTMLElement} stage
    * @param {() => CanvasSheet} sheet what to draw now
-   * @param {{zoom: (report: object) => void, live: () => void}} on
+   * @param {{zoom: (report: object) => void, live: () => void,
+   *   drawn: (axis: TimeAxis|null) => void}} on `drawn`: null where there are no times
    */
   constructor(stage, sheet, on) {
     this.#stage = stage;
@@ -88,10 +92,12 @@ export class Canvas {
   #draw() {
     if (!this.#visible || this.#gestures.pressed) return;
     const sheet = this.#sheet();
-    this.#say(messageFor(sheet));
+    this.#say(library() ? sheet.message : missingLibrary());
     this.#graph.hidden = !sheet.panels.length;
-    if (!sheet.panels.length || !library()) return;
-    if (this.#redraw.draw(this.#figure(sheet, false))) this.#listen();
+    if (!sheet.panels.length || !library()) { this.#on.drawn(null); return; }
+    const drawing = this.#figure(sheet, false);
+    if (this.#redraw.draw(drawing)) this.#listen();
+    this.#on.drawn(sheet.spectrum ? null : timeAxis(drawing.layout));
     // Counts the layout into the cost of this redraw, where it belongs.
     this.#graph.getBoundingClientRect();
     this.#describe(sheet);
@@ -102,25 +108,22 @@ export class Canvas {
    * @param {boolean} forFile
    */
   #figure(sheet, forFile) {
-    const {view, panels, window} = sheet;
+    const {panels, window, spectrum} = sheet;
     this.#theme ??= themeOf(this.#stage);
     const {width} = this.#size;
     const least = panels.length * LEAST_PANEL + MARGIN.t + MARGIN.b;
     const pixels = Math.max(width - MARGIN.l - MARGIN.r, 50);
-    const build = view.spectrum ? spectrumPanels : timePanels;
-    const drawn = build({...sheet, pixels, ranges: this.#ranges});
+    const drawn = sheet.curves({pixels, ranges: this.#ranges});
     return figure({
       ...sheet,
       panels: drawn,
-      window: view.spectrum ? frequencies(drawn) : window,
-      spectrum: Boolean(view.spectrum),
+      window: spectrum ? frequencies(drawn) : window,
       marks: sheet.marks.map((mark) => ({time: mark.time, lines: linesOf(mark)})),
       width,
       height: Math.max(this.#size.height, least),
       touch: this.#touch.matches,
       theme: this.#theme,
       legend: forFile,
-      title: view.title,
     });
   }
 
@@ -138,29 +141,26 @@ export class Canvas {
   }
 
   /** @param {CanvasSheet} sheet */
-  #describe({view, panels}) {
+  #describe({title: view, panels}) {
     const parts = panels.map(({title, quantity}) => `${title} ${quantity}`);
-    const text = `${view.title}: ${parts.join(', ')}`;
+    const text = `${view}: ${parts.join(', ')}`;
     if (this.#graph.getAttribute('aria-label') === text) return;
     this.#graph.setAttribute('role', 'img');
     this.#graph.setAttribute('aria-label', text);
   }
 }
 
+function missingLibrary() {
+  return document.readyState === 'complete'
+    ? 'The plotting library did not load. Reload the page.' : 'Loading the plots …';
+}
+
 /**
- * @param {CanvasSheet} sheet
- * @returns {string} why there is nothing to see, or nothing
+ * @param {{[name: string]: any}} layout
+ * @returns {TimeAxis}
  */
-function messageFor({ring, view, panels, window}) {
-  if (!library()) {
-    return document.readyState === 'complete'
-      ? 'The plotting library did not load. Reload the page.' : 'Loading the plots …';
-  }
-  if (!panels.length) return view.empty ?? 'Nothing to show.';
-  if (ring.empty) return 'No data yet. Press play or step.';
-  if (panels.every(({traces}) => !traces.length)) return 'Every lane is hidden.';
-  if (window[1] < ring.timeOf(ring.start)) return 'Nothing is kept of this time any more.';
-  return '';
+function timeAxis({width, height, xaxis}) {
+  return {window: xaxis.range, left: MARGIN.l, width: width - MARGIN.l - MARGIN.r, height};
 }
 
 /**

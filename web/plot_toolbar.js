@@ -3,14 +3,14 @@
 
 import {element} from './element.js';
 import {icon} from './icons.js';
+import {JointToggles} from './joint_toggles.js';
 import {openMenu} from './menu.js';
 import {LENGTHS} from './plot_window.js';
 
-const JOINTS = [1, 2, 3, 4, 5, 6];
-
 /**
  * @typedef {{joint: (joint: number) => void, length: (seconds: number) => void,
- *   live: () => void, png: () => void, svg: () => void, csv: () => void}} Actions
+ *   live: () => void, cursors: () => void, png: () => void, svg: () => void, csv: () => void}}
+ *   Actions
  */
 
 /** Shows the choices and reports new ones. */
@@ -19,19 +19,11 @@ export class PlotToolbar {
   #joints;
   #length;
   #live;
-  #group;
+  #cursors;
 
   /** @param {Actions} actions */
   constructor(actions) {
-    this.#joints = JOINTS.map((joint) => element('button', {
-      type: 'button', class: 'plots-toggle', 'aria-label': `Joint ${joint}`,
-      title: `Show or hide joint ${joint} (key ${joint})`, 'aria-pressed': 'false',
-      on: {click: () => actions.joint(joint)},
-    }, String(joint)));
-    this.#group = element(
-      'div', {class: 'plots-joints', role: 'group', 'aria-label': 'Joints'},
-      element('span', {class: 'plots-label', 'aria-hidden': 'true'}, 'joints'), ...this.#joints,
-    );
+    this.#joints = new JointToggles(actions.joint);
     this.#length = element(
       'select', {
         class: 'plots-select',
@@ -42,24 +34,24 @@ export class PlotToolbar {
       type: 'button', class: 'plots-button plots-live', 'aria-pressed': 'true',
       on: {click: actions.live},
     }, element('span', {class: 'plots-live-dot', 'aria-hidden': 'true'}), 'live');
+    this.#cursors = cursorsButton(actions.cursors);
     this.element = element(
       'div', {class: 'plots-toolbar', role: 'group', 'aria-label': 'Plot settings'},
-      this.#group,
+      this.#joints.element,
       element('label', {class: 'plots-window'},
         element('span', {class: 'plots-label'}, 'window'), this.#length),
-      this.#live, downloadButton(actions),
+      this.#live, this.#cursors, downloadButton(actions),
     );
   }
 
   /**
-   * @param {{joints: number[], perJoint: boolean, length: number, live: boolean}} choices
+   * @param {{joints: number[], perJoint: boolean, length: number, live: boolean,
+   *   cursors: boolean|null}} choices `cursors`: null where there can't be any
    */
-  show({joints, perJoint, length, live}) {
-    this.#joints.forEach((button, index) => {
-      button.setAttribute('aria-pressed', String(joints.includes(JOINTS[index])));
-      button.disabled = !perJoint;
-    });
-    this.#group.classList.toggle('is-off', !perJoint);
+  show({joints, perJoint, length, live, cursors}) {
+    this.#joints.show(joints, perJoint);
+    this.#cursors.setAttribute('aria-pressed', String(Boolean(cursors)));
+    this.#cursors.disabled = cursors === null;
     this.#length.value = String(length);
     this.#live.setAttribute('aria-pressed', String(live));
     this.#live.title = live
@@ -69,10 +61,22 @@ export class PlotToolbar {
 }
 
 /**
- * @param {Actions} actions
+ * @param {() => void} toggle
  * @returns {HTMLButtonElement}
  */
-function downloadButton({png, svg, csv}) {
+export function cursorsButton(toggle) {
+  return element('button', {
+    type: 'button', class: 'plots-button plots-cursors', 'aria-pressed': 'false',
+    title: 'Two cursors to read times and values at (keys A and B)', on: {click: toggle},
+  }, icon('cursors'), 'A B');
+}
+
+/**
+ * @param {Pick<Actions, 'png'|'svg'|'csv'>} actions
+ * @param {string} [samples] what the table holds
+ * @returns {HTMLButtonElement}
+ */
+export function downloadButton({png, svg, csv}, samples = 'every sample in sight, all joints') {
   const button = element('button', {
     type: 'button', class: 'plots-button', 'aria-haspopup': 'menu', 'aria-expanded': 'false',
     'aria-label': 'Download these plots', title: 'Download these plots',
@@ -80,7 +84,7 @@ function downloadButton({png, svg, csv}) {
   button.addEventListener('click', () => openMenu(button, [
     {label: 'PNG image', run: png},
     {label: 'SVG image', run: svg},
-    {label: 'CSV table', hint: 'every sample in sight, all joints', run: csv},
+    {label: 'CSV table', hint: samples, run: csv},
   ]));
   return button;
 }

@@ -3,8 +3,17 @@
 
 /** @typedef {import('./ring.js').Ring} Ring */
 /** @typedef {[number, number]} Range */
+/**
+ * `shift`: as a part of the window's length.
+ * @typedef {{shift?: number, factor?: number}} Change
+ */
 
 export const LENGTHS = [2, 5, 10, 30, 60];
+/** @type {Map<string, Change>} With Shift, because the page takes the arrow keys alone. */
+export const TIME_KEYS = new Map([
+  ['ArrowLeft', {shift: -0.1}], ['ArrowRight', {shift: 0.1}],
+  ['ArrowUp', {factor: 0.8}], ['ArrowDown', {factor: 1.25}],
+]);
 const AXIS = /^([xy]axis\d*)\.range(?:\[([01])\])?$/;
 
 /**
@@ -24,6 +33,19 @@ export function reportedRanges(report) {
     ranges.set(axis, range);
   }
   return ranges;
+}
+
+/**
+ * A window, moved or magnified.
+ *
+ * @param {Range} range in [s]
+ * @param {Change} change
+ * @returns {Range} in [s]
+ */
+export function moved([from, to], {shift = 0, factor = 1}) {
+  const middle = (from + to) / 2 + shift * (to - from);
+  const half = ((to - from) / 2) * factor;
+  return [middle - half, middle + half];
 }
 
 /** The visible window. */
@@ -56,13 +78,10 @@ export class PlotWindow {
    * Hold what is seen, moved or magnified.
    *
    * @param {Ring} ring
-   * @param {{shift?: number, factor?: number}} change shift as a part of the window's length
+   * @param {Change} change
    */
-  move(ring, {shift = 0, factor = 1}) {
-    const [from, to] = this.range(ring);
-    const middle = (from + to) / 2 + shift * (to - from);
-    const half = ((to - from) / 2) * factor;
-    this.hold([middle - half, middle + half]);
+  move(ring, change) {
+    this.hold(moved(this.range(ring), change));
   }
 
   /** Show the newest again. */

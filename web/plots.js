@@ -1,13 +1,17 @@
 // @ts-check
 /** The plots: tabs, legend, figure and toolbar over the newest telemetry. */
 
+import {Cursors} from './cursors.js';
 import {download, image, spectrumTable, timeTable} from './download.js';
 import {element} from './element.js';
+import {ALL_JOINTS} from './joint_toggles.js';
+import {liveReadings} from './live_readings.js';
+import {spectrumPanels, timePanels} from './panel_curves.js';
 import {Canvas} from './plot_canvas.js';
 import {PlotLegend} from './plot_legend.js';
 import {PlotTabs} from './plot_tabs.js';
 import {PlotToolbar} from './plot_toolbar.js';
-import {PlotWindow, reportedRanges} from './plot_window.js';
+import {PlotWindow, TIME_KEYS, reportedRanges} from './plot_window.js';
 import {VIEWS} from './plot_views.js';
 import {recall, remember} from './remembered.js';
 import {RevisionMarks} from './revision_marks.js';
@@ -18,15 +22,9 @@ import {Ring} from './ring.js';
 /** @typedef {import('./plot_views.js').View} View */
 /** @typedef {import('./plot_views.js').Source} Source */
 
-const ALL_JOINTS = [1, 2, 3, 4, 5, 6];
 const FIRST_JOINTS = [1, 2, 3];
 /** A spectrum takes longer to work out than a curve, and nobody reads it faster. */
 const SPECTRUM_MS = 250;
-/** With Shift, because the page takes the arrow keys alone. */
-const TIME_KEYS = new Map([
-  ['ArrowLeft', {shift: -0.1}], ['ArrowRight', {shift: 0.1}],
-  ['ArrowUp', {factor: 0.8}], ['ArrowDown', {factor: 1.25}],
-]);
 
 /**
  * @param {HTMLElement} root
@@ -61,20 +59,32 @@ class Plots {
     this.canvas = new Canvas(stage, () => this.#sheet(), {
       zoom: (report) => this.#zoomed(report),
       live: () => this.#follow(),
+      drawn: (axis) => this.cursors.place(axis),
     });
+    this.cursors = new Cursors(stage, api, {
+      read: (time) => liveReadings(this.#ring, this.#panels(), this.#freezes, time),
+      changed: () => this.#show(),
+    });
+    this.cursors.readout.colorOf = (lane) => (
+      this.#api.lanes.find(({name}) => name === lane)?.color ?? ''
+    );
     this.tabs = new PlotTabs(VIEWS, stage, (id) => this.#choose(id));
     this.legend = new PlotLegend((lane) => this.#toggleLane(lane));
     this.toolbar = new PlotToolbar({
       joint: (joint) => this.#toggleJoint(joint),
       length: (seconds) => { this.#window.length = seconds; this.#follow(); },
       live: () => (this.#window.live ? this.#hold({}) : this.#follow()),
+      cursors: () => this.cursors.toggle(),
       png: () => this.#saveImage('png'),
       svg: () => this.#saveImage('svg'),
       csv: () => this.#saveTable(),
     });
     stage.addEventListener('keydown', (event) => this.#keyed(event));
     root.classList.add('plots');
-    root.append(this.tabs.element, this.legend.element, stage, this.toolbar.element);
+    root.append(
+      this.tabs.element, this.legend.element, stage, this.cursors.readout.element,
+      this.toolbar.element,
+    );
     this.#listen();
     if (api.channels.length) this.#hello();
     this.#show();
@@ -91,7 +101,10 @@ class Plots {
     on('state', () => this.#state());
     on('frame', (frame) => this.#frame(frame));
     on('select', () => this.#show());
-    on('joint', (joint) => { if (this.#view.joints) this.#toggleJoint(joint); });
+    on('show', ({tab}) => { if (VIEWS.some(({id}) => id === tab)) this.#choose(tab); });
+    on('joint', (joint) => {
+      if (this.#view.joints && this.tabs.element.checkVisibility()) this.#toggleJoint(joint);
+    });
   }
 
   // What arrives
@@ -216,7 +229,7 @@ class Plots {
     });
     this.toolbar.show({
       joints: this.#joints, perJoint: view.joints, length: this.#window.length,
-      live: this.#window.live,
+      live: this.#window.live, cursors: view.spectrum ? null : this.cursors.any,
     });
     this.#request();
   }
@@ -236,14 +249,19 @@ class Plots {
   /** @returns {import('./plot_canvas.js').CanvasSheet} */
   #sheet() {
     const {lanes, selected} = this.#api;
+    const [ring, view, freezes] = [this.#ring, this.#view, this.#freezes];
+    const panels = this.#panels();
+    const window = this.#window.range(ring);
+    const build = view.spectrum ? spectrumPanels : timePanels;
     return {
-      ring: this.#ring,
-      view: this.#view,
-      panels: this.#panels(),
-      window: this.#window.range(this.#ring),
+      title: view.title,
+      spectrum: Boolean(view.spectrum),
+      panels,
+      window,
       zoomed: this.#window.zoomed,
-      freezes: this.#freezes,
-      marks: this.#view.spectrum ? [] : this.#marks.of(this.#ring),
+      curves: (room) => build({...room, ring, panels, window, freezes}),
+      message: messageFor(ring, view, panels, window),
+      marks: view.spectrum ? [] : this.#marks.of(ring),
       colors: new Map(lanes.map(({name, color}) => [name, color])),
       selected,
     };
@@ -282,6 +300,21 @@ function freezesOf(session) {
     freezes.set(lane, {time, text: cause || `Frozen at ${time.toFixed(3)} s.`});
   }
   return freezes;
+}
+
+/**
+ * @param {Ring} ring
+ * @param {View} view
+ * @param {import('./plot_views.js').Panel[]} panels
+ * @param {[number, number]} window
+ * @returns {string} why there is nothing to see, or nothing
+ */
+function messageFor(ring, view, panels, window) {
+  if (!panels.length) return view.empty ?? 'Nothing to show.';
+  if (ring.empty) return 'No data yet. Press play or step.';
+  if (panels.every(({traces}) => !traces.length)) return 'Every lane is hidden.';
+  if (window[1] < ring.timeOf(ring.start)) return 'Nothing is kept of this time any more.';
+  return '';
 }
 
 /** @returns {number[]} */

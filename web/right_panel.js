@@ -5,6 +5,7 @@ import {element, freshId} from './element.js';
 import {mount as mountLenses} from './lenses.js';
 import {mount as mountPlots} from './plots.js';
 import {recall, remember} from './remembered.js';
+import {mount as mountResponse} from './response.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /**
@@ -13,14 +14,19 @@ import {recall, remember} from './remembered.js';
  *   tell: import('./notices.js').Tell}} Desk
  */
 /**
+ * A view's own tab: choose it, or mark that there is something new behind it.
+ * @typedef {{open: () => void, mark: (news: boolean) => void}} Tab
+ */
+/**
  * A hidden view has no size, so that it draws and asks for nothing; it begins to when it is shown.
  * @typedef {{id: string, title: string,
- *   mount: (element: HTMLElement, api: Api, desk: Desk) => void}} Entry
+ *   mount: (element: HTMLElement, api: Api, desk: Desk & {tab: Tab}) => void}} Entry
  */
 
 /** @type {Entry[]} A further view is a line here. */
 export const ENTRIES = [
   {id: 'live', title: 'Live', mount: mountPlots},
+  {id: 'response', title: 'Response', mount: mountResponse},
   {id: 'lenses', title: 'Lenses', mount: mountLenses},
 ];
 
@@ -55,9 +61,25 @@ export function mount(root, api, desk, entries = ENTRIES) {
   }, ...views.map(({tab}) => tab));
   root.classList.add('right-panel');
   root.append(row, ...views.map(({place}) => place));
+  api.addEventListener('show', () => choose('live'));
   const last = recall('right.view');
   choose(entries.find(({id}) => id === last)?.id ?? entries[0].id);
-  for (const {entry, place} of views) entry.mount(place, api, desk);
+  for (const {entry, place, tab} of views) {
+    const open = () => choose(entry.id);
+    entry.mount(place, api, {...desk, tab: {open, mark: (news) => mark(tab, news)}});
+  }
+}
+
+/**
+ * @param {HTMLElement} tab
+ * @param {boolean} news
+ */
+function mark(tab, news) {
+  if (news === Boolean(tab.querySelector('.right-news'))) return;
+  if (!news) { tab.querySelector('.right-news')?.remove(); return; }
+  tab.append(element(
+    'span', {class: 'right-news'}, element('span', {class: 'visually-hidden'}, ' changed'),
+  ));
 }
 
 /**

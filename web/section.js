@@ -51,8 +51,6 @@ export class Group {
    */
   constructor(title, key, open) {
     const head = element('summary', {}, icon('chevron'), element('span', {}, title), this.#changed);
-    // Or the space bar would fold it instead of pausing.
-    head.addEventListener('mousedown', (event) => event.preventDefault());
     this.element = element('details', {class: 'group'}, head, this.body);
     rememberOpen(this.element, key, open);
   }

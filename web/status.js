@@ -39,7 +39,7 @@ export function mountStatus(place, api) {
   const showRevision = () => {
     revision.dataset.revision = String(api.revision);
     revision.textContent = `rev ${api.revision}`;
-    revision.title = `${api.revision} changes since the server started`;
+    revision.title = `Revision ${api.revision} of the experiment`;
   };
   for (const type of ['hello', 'patch', 'state']) {
     api.addEventListener(type, () => { heard = performance.now(); show(); showRevision(); });
@@ -85,10 +85,12 @@ function wording(connected, silent, playing) {
  */
 export function mountBanner(place, api) {
   const text = element('span', {});
+  // Not for listeners: it would be read out every second.
+  const countdown = element('span', {'aria-hidden': 'true'});
   const retry = element('button', {
     class: 'button small', type: 'button', on: {click: () => api.reconnect()},
   }, 'Try now');
-  const box = element('div', {class: 'banner', hidden: true}, icon('warning'), text, retry);
+  const box = element('div', {class: 'banner', hidden: true}, icon('warning'), text, countdown, retry);
   place.append(box);
   let ticking = 0;
   api.addEventListener('connection', (event) => {
@@ -100,9 +102,9 @@ export function mountBanner(place, api) {
     const until = performance.now() + wait * 1000;
     const count = () => {
       const left = Math.ceil((until - performance.now()) / 1000);
-      const next = left > 0 ? `Trying again in ${left} s.` : 'Trying…';
-      text.textContent = `${reason} ${next}`;
+      countdown.textContent = left > 0 ? `Trying again in ${left} s.` : 'Trying…';
     };
+    if (text.textContent !== reason) text.textContent = reason;
     ticking = setInterval(count, 1000);
     count();
   });

@@ -18,8 +18,9 @@ const TABS = [
 /**
  * @param {HTMLElement} place
  * @param {HTMLElement} workspace its `data-tab` says which part is chosen
+ * @param {import('./api.js').Api} api the event `show` is about the plots
  */
-export function mountTabs(place, workspace) {
+export function mountTabs(place, workspace, api) {
   const choose = (/** @type {string} */ id) => {
     workspace.dataset.tab = id;
     remember('tab', id);
@@ -42,6 +43,7 @@ export function mountTabs(place, workspace) {
     choose(TABS[next].id);
     buttons[next].focus();
   });
+  api.addEventListener('show', () => choose('plots'));
   const last = recall('tab');
   choose(TABS.find(({id}) => id === last)?.id ?? 'tune');
 }

@@ -8,8 +8,9 @@
  * @typedef {'value'|'difference'|'distance'} Rule
  */
 /**
- * @typedef {{lane: string, role: 'actual'|'desired', label: string, places: number[], rule: Rule,
- *   scale: number}} Trace
+ * `role`: another than these two begins with `baseline`.
+ * @typedef {{lane: string, role: 'actual'|'desired'|string, label: string, places: number[],
+ *   rule: Rule, scale: number}} Trace
  */
 
 /**

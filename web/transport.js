@@ -36,9 +36,7 @@ export function mount(place, api) {
     class: 'select', 'aria-label': 'Speed', title: 'Speed, as a multiple of real time',
     on: {change: () => api.speed(Number(speed.value))},
   }, ...SPEEDS.map((value) => element('option', {value}, `${value}×`)));
-  const keys = [play, step, reset, kick];
-  place.append(...keys, element('div', {class: 'spring'}), speed);
-  for (const button of keys) button.addEventListener('mousedown', (event) => event.preventDefault());
+  place.append(play, step, reset, kick, element('div', {class: 'spring'}), speed);
 
   const show = () => {
     const {session} = api;

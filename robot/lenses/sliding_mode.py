@@ -68,8 +68,9 @@ class SlidingView:
         V: half of S^T M S. Shape (k,).
         V_rate: its derivative over time. Shape (k,).
         growing: share of the time in which V grows.
-        growing_outside: the same of the time in which some S is outside its layer; ``None`` where
-            it never is.
+        outside: share of the time in which some S is outside its layer.
+        turns: how often a second V turns between growing and falling.
+        growing_outside: share of that time in which V grows; ``None`` where there is none.
     """
 
     joints: tuple[SlidingJoint, ...]
@@ -77,6 +78,8 @@ class SlidingView:
     V: Array
     V_rate: Array
     growing: float
+    outside: float
+    turns: float
     growing_outside: float | None
 
 
@@ -169,8 +172,8 @@ def look(packed: Packed, name: str, run: LaneRun) -> SlidingView:
 
 def _growth(
     packed: Packed, run: LaneRun, rows: int, outside: Array
-) -> tuple[Array, Array, Array, float, float | None]:
-    """Return thinned time, V and dV/dt, and the shares of the time in which V grows."""
+) -> tuple[Array, Array, Array, float, float, float, float | None]:
+    """Return what ``SlidingView`` says of V, in its order."""
     chosen = every_few(rows, ENERGY_ROWS)
     time = run.time[chosen]
     V = energy(packed, run.q[chosen], run.S[chosen])
@@ -178,4 +181,6 @@ def _growth(
     grows, beyond = dV > 0.0, outside[chosen]
     instants, columns = thinned(time, np.column_stack([V, dV]))
     growing_outside = _share(grows[beyond]) if beyond.any() else None
-    return instants, columns[0], columns[1], _share(grows), growing_outside
+    turns = float(np.count_nonzero(np.diff(grows)) / max(float(np.ptp(time)), 1e-9))
+    shares = _share(grows), _share(beyond), turns, growing_outside
+    return instants, columns[0], columns[1], *shares

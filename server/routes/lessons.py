@@ -54,7 +54,6 @@ class LessonStep(BaseModel):
     title: str
     text: list[str] = Field(description="Paragraphs.")
     preset: str = Field(description="Where the experiment comes from.")
-    fresh: bool = Field(description="Whether the step begins with that preset anew.")
     experiment: dict[str, Any] = Field(description="What the step is about, whole.")
     changes: list[LessonChange]
     lane: str = Field(description="Lane to select; empty: leave it.")

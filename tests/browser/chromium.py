@@ -70,11 +70,31 @@ def _downloaded() -> Path:
         return Path(playwright.chromium.executable_path)
 
 
+def driver_problem() -> str:
+    """Say why Playwright itself doesn't start, or nothing where it does."""
+    command = [sys.executable, "-m", "playwright", "--version"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    return last_line(run.stderr) if run.returncode else ""
+
+
+def last_line(text: str) -> str:
+    """Return the last line of what a program complained of."""
+    lines = text.strip().splitlines()
+    return lines[-1].strip() if lines else "it doesn't say why"
+
+
 def problem(program: Path) -> str:
     """Start a Chromium and say why it doesn't work, or nothing where it does."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         page = "data:text/html,<p>ready</p>"
-        command = [program, "--headless", *FLAGS, f"--user-data-dir={profile}", "--dump-dom", page]
+        command = [
+            str(program),
+            "--headless",
+            *FLAGS,
+            f"--user-data-dir={profile}",
+            "--dump-dom",
+            page,
+        ]
         try:
             run = subprocess.run(
                 command, capture_output=True, text=True, timeout=START_TIME, check=False
@@ -85,16 +105,17 @@ def problem(program: Path) -> str:
             return str(error)
     if "ready" in run.stdout:
         return ""
-    words = run.stderr.strip().splitlines()
-    return words[-1] if words else f"ends with code {run.returncode} and no page"
+    return f"code {run.returncode}: {last_line(run.stderr)}"
 
 
 def find() -> Path:
     """Return the Chromium that CHROMIUM names, or else the first of this machine that starts.
 
     Raises:
-        NoChromiumError: if there is none.
+        NoChromiumError: if there is none, or if Playwright can't drive any.
     """
+    if reason := driver_problem():
+        raise NoChromiumError(f"Playwright doesn't start: {reason}")
     named = os.environ.get(VARIABLE)
     problems = []
     for program in [Path(named)] if named else installed():
@@ -107,17 +128,23 @@ def find() -> Path:
 
 def installers() -> Iterator[Installer]:
     """Yield the ways to install one on this machine, the least intrusive first."""
+    root = () if os.geteuid() == 0 else ("sudo",)
+    apt = (*root, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get")
+    dnf = (*root, "dnf", "install", "-y")
     playwright = (sys.executable, "-m", "playwright")
+    if driver_problem() and shutil.which("apt-get"):
+        commands = ((*apt, "update"), (*apt, "install", "-y", "libatomic1"))
+        yield Installer("what Playwright needs from apt-get", commands)
+    if driver_problem() and shutil.which("dnf"):
+        yield Installer("what Playwright needs from dnf", ((*dnf, "libatomic"),))
     yield Installer("Playwright's download", ((*playwright, "install", "chromium"),))
     if shutil.which("brew"):
         yield Installer("Homebrew", (("brew", "install", "--cask", "google-chrome"),))
-    root = () if os.geteuid() == 0 else ("sudo",)
     if shutil.which("apt-get"):
-        apt = (*root, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get")
         yield Installer("apt-get", ((*apt, "update"), (*apt, "install", "-y", "chromium")))
         yield Installer("Playwright's libraries", ((*playwright, "install-deps", "chromium"),))
     if shutil.which("dnf"):
-        yield Installer("dnf", ((*root, "dnf", "install", "-y", "chromium"),))
+        yield Installer("dnf", ((*dnf, "chromium"),))
     if shutil.which("pacman"):
         yield Installer("pacman", ((*root, "pacman", "-S", "--noconfirm", "chromium"),))
 
@@ -135,9 +162,9 @@ def install(installer: Installer) -> str:
                 check=False,
             )
         except (OSError, subprocess.TimeoutExpired) as error:
-            return f"{installer.title} failed: {error}"
+            return str(error)
         if run.returncode:
-            return f"{installer.title} failed with code {run.returncode}: see above"
+            return f"it failed with code {run.returncode}, see above"
     return ""
 
 
@@ -161,7 +188,7 @@ def find_or_install() -> Path:
                 raise NoChromiumError(reason)
             return find()
         except NoChromiumError as error:
-            problems.append(str(error))
+            problems.append(f"after {installer.title}: {error}")
             say(problems[-1])
     raise NoChromiumError("\n".join(problems))
 

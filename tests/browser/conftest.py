@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,8 +62,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
-) -> Iterator[pytest.TestReport]:
-    report: pytest.TestReport = yield
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
     if report.failed:
         item.stash[FAILED] = True
         for log in item.stash.get(LOGS, []):
@@ -83,26 +84,37 @@ def printed_address(process: subprocess.Popen[bytes], log: Path) -> str:
     pytest.fail(f"the dashboard printed no address within {START_TIME} s")
 
 
+def end(process: subprocess.Popen[bytes]) -> None:
+    """Ask a dashboard to end, then end whatever is left of it and of its workers."""
+    process.terminate()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(timeout=10)
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
 @contextmanager
 def running(arguments: tuple[str, ...], log: Path) -> Iterator[Dashboard]:
     """Run a dashboard on a free port; ends it at the end, however it stands."""
     command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0", *arguments]
     with log.open("wb") as output:
         process = subprocess.Popen(
-            command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+            command,
+            cwd=ROOT,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
             env={**os.environ, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"},
+            # Its own process group, so that its workers end with it in any case.
+            start_new_session=True,
         )
     try:
         url = printed_address(process, log)
         with httpx.Client(base_url=url, trust_env=False, timeout=30) as client:
             yield Dashboard(url, client, process, log)
     finally:
-        process.terminate()
-        try:
-            process.wait(timeout=10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end(process)
 
 
 @pytest.fixture

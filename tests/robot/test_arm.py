@@ -113,8 +113,11 @@ def nominal(mismatch: float = 1.0, **changes: Any) -> pin.Model | None:
 @pytest.mark.parametrize(
     "changes",
     [
-        {}, {"armature": 1.0, "inertia_scale": 2.0}, {"payload": {"mass": 0.0, "known": False}},
-        {"payload": {"mass": 2.0, "known": True}}, {"viscous_friction": 5.0},
+        {},
+        {"armature": 1.0, "inertia_scale": 2.0},
+        {"payload": {"mass": 0.0, "known": False}},
+        {"payload": {"mass": 2.0, "known": True}},
+        {"viscous_friction": 5.0},
     ],
 )
 def test_a_controller_that_knows_the_arm_needs_no_second_model(changes: dict[str, Any]) -> None:

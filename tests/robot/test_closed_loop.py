@@ -25,8 +25,11 @@ THREE: dict[str, Any] = {
 }
 HARD: dict[str, Any] = {
     "robot": {
-        "inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15],
-        "viscous_friction": 2.0, "coulomb_friction": 1.0, "torque_limit": 100.0,
+        "inertials": "datasheet",
+        "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15],
+        "viscous_friction": 2.0,
+        "coulomb_friction": 1.0,
+        "torque_limit": 100.0,
         "payload": {"mass": 1.5},
     },
     "lanes": {
@@ -35,7 +38,9 @@ HARD: dict[str, Any] = {
         "C": {"law": "computed_torque"},
     },
     "disturbance": {
-        "constant": 1.0, "noise": {"amplitude": 1.0}, "nominal_mismatch": 0.9,
+        "constant": 1.0,
+        "noise": {"amplitude": 1.0},
+        "nominal_mismatch": 0.9,
         "sensor_noise": {"position": 1e-5, "velocity": 1e-3},
     },
     "simulation": {"mode": "sampled", "input_delay": 0.0014, "horizon": 0.2},
@@ -224,8 +229,10 @@ def test_a_new_lane_that_continues_a_frozen_one_stands_where_it_stood() -> None:
 def test_a_push_moves_the_arm_where_it_pushes(mode: str, law: str) -> None:
     gains = {} if law == "computed_torque" else {"k1": 5.0, "k2": 1.0}
     document = {
-        "lanes": {"A": {"law": law, **gains}}, "trajectory": {"kind": "hold"},
-        "robot": {"armature": 0.5}, "simulation": {"mode": mode},
+        "lanes": {"A": {"law": law, **gains}},
+        "trajectory": {"kind": "hold"},
+        "robot": {"armature": 0.5},
+        "simulation": {"mode": mode},
     }
     left, pushed = loop_of(document, 20), loop_of(document, 20)
     push = np.array([20.0, 0.0, 0.0, 0.0, -10.0, 0.0])

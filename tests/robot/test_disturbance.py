@@ -20,18 +20,7 @@ from robot.disturbance import (
     pack_world,
 )
 from robot.quantity import JOINTS
-from robot.workspace import (
-    CURRENT,
-    F_SLOPE,
-    HALF,
-    MEASURED_Q,
-    MEASURED_V,
-    PUSH,
-    WORK_ROWS,
-    F,
-    Q,
-    V,
-)
+from robot.workspace import CURRENT, F_SLOPE, HALF, MEASURED_Q, MEASURED_V, PUSH, WORK_ROWS, F, Q, V
 
 Array = np.ndarray
 SIX = [1.0, -2.0, 3.0, 0.0, 0.5, -0.1]

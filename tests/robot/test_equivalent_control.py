@@ -12,7 +12,7 @@ from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.packed import pack
 from robot.quantity import JOINTS
-from robot.workspace import AD, QD, RECORD_COLUMNS, REACH, S_E, S_V, TAU, VD, WORK_ROWS, Q, S, V
+from robot.workspace import AD, QD, REACH, RECORD_COLUMNS, S_E, S_V, TAU, VD, WORK_ROWS, Q, S, V
 
 Array = np.ndarray
 SILENT = {"k1": 0.0, "k2": 0.0}
@@ -46,8 +46,17 @@ def s_dot(lane: dict[str, Any], seed: int, **experiment: Any) -> tuple[Array, Ar
     work[Q], work[V] = q, v
     law, record = LAWS[lane["law"]], np.zeros((1, RECORD_COLUMNS))
     law.sample(
-        random.uniform(0, 5), 0.0, 0, 0, nominal_M, nominal_nle, packed.gains["A"], packed.world,
-        packed.trajectory, work, record,
+        random.uniform(0, 5),
+        0.0,
+        0,
+        0,
+        nominal_M,
+        nominal_nle,
+        packed.gains["A"],
+        packed.world,
+        packed.trajectory,
+        work,
+        record,
     )
     a = np.linalg.solve(M, work[TAU] - nle)
     return work[S_V] * (work[AD] - a) + work[S_E] * (work[VD] - v), work
@@ -92,8 +101,12 @@ def test_a_perfect_model_drives_s_by_the_reaching_law_through_the_inverse_inerti
 def test_shaping_by_the_inertia_gives_the_reaching_law_of_the_textbook(switching: str) -> None:
     k1, k2 = np.array([1, 2, 3, 4, 5, 6.0]), np.array([6, 5, 4, 3, 2, 1.0])
     lane = {
-        **LANES["NFTSM"], "k1": k1.tolist(), "k2": k2.tolist(), "epsilon": 2.0,
-        "switching": switching, "inertia_shaped": True,
+        **LANES["NFTSM"],
+        "k1": k1.tolist(),
+        "k2": k2.tolist(),
+        "epsilon": 2.0,
+        "switching": switching,
+        "inertia_shaped": True,
     }
     for seed in range(100):
         rate, work = s_dot(lane, seed)

@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 
 from robot.experiment import Experiment
-from robot.implicit_step import (
-    MAX_ANGLE,
-    MAX_VELOCITY,
-    accept,
-    implicit_step,
-    solve,
-    within_bounds,
-)
+from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY, accept, implicit_step, solve, within_bounds
 from robot.quantity import JOINTS
 from robot.simulate import simulate
 from robot.workspace import (
@@ -183,8 +176,14 @@ def test_extrapolation_cancels_the_first_order() -> None:
 @pytest.mark.parametrize(
     ("row", "value"),
     [
-        (Q, 1.01 * MAX_ANGLE), (Q, -1.01 * MAX_ANGLE), (V, 1.01 * MAX_VELOCITY), (Q, np.nan),
-        (V, np.inf), (V, -np.inf), (W, np.nan), (W + NODES - 1, np.inf),
+        (Q, 1.01 * MAX_ANGLE),
+        (Q, -1.01 * MAX_ANGLE),
+        (V, 1.01 * MAX_VELOCITY),
+        (Q, np.nan),
+        (V, np.inf),
+        (V, -np.inf),
+        (W, np.nan),
+        (W + NODES - 1, np.inf),
     ],
 )
 @pytest.mark.parametrize("joint", [0, 5])

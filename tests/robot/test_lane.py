@@ -83,8 +83,11 @@ def test_other_gains_leave_the_state() -> None:
 
 def test_gains_that_do_not_change_change_nothing() -> None:
     packed = packed_of({"simulation": {"mode": "sampled", "input_delay": 0.005}}, "smc")
-    packed = pack(packed.experiment.patched({"lanes": {"A": {"k1": 5.0, "k2": 1.0}},
-                                             "robot": {"armature": 0.5}}))
+    packed = pack(
+        packed.experiment.patched(
+            {"lanes": {"A": {"k1": 5.0, "k2": 1.0}}, "robot": {"armature": 0.5}}
+        )
+    )
     left_alone, edited = lane_of(packed), lane_of(packed)
     assert stepped(left_alone, packed, 200) == 200
     for first in range(0, 200, 3):
@@ -127,8 +130,11 @@ def test_torques_on_their_way_obey_a_new_limit() -> None:
 
 
 def test_a_new_delay_begins_with_the_present_torque() -> None:
-    document = {"lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}}, "robot": {"armature": 1.0},
-                "simulation": {"mode": "sampled"}}
+    document = {
+        "lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}},
+        "robot": {"armature": 1.0},
+        "simulation": {"mode": "sampled"},
+    }
     packed = packed_of(document)
     lane = lane_of(packed)
     stepped(lane, packed, 20)

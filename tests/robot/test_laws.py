@@ -29,22 +29,41 @@ COLUMNS = ("q", "v", "tau", "S", "f", "weights")
 
 # Gains at which every other one has something to act on.
 BASE: dict[str, Any] = {
-    "nu": 2.0, "c": 3.0, "mu": 0.5, "p": 9.0, "k": 7.0, "k1": 20.0, "k2": 15.0, "epsilon": 0.5,
-    "alpha": 0.5, "lambda_": 4.0, "width": 0.5, "learning_rate": 30.0, "leakage": 0.5,
-    "center_span": 1.0, "network_input": "error", "switching": "tanh", "reaching": "exponential",
-    "inertia_shaped": False, "kp": 100.0, "kd": 20.0,
+    "nu": 2.0,
+    "c": 3.0,
+    "mu": 0.5,
+    "p": 9.0,
+    "k": 7.0,
+    "k1": 20.0,
+    "k2": 15.0,
+    "epsilon": 0.5,
+    "alpha": 0.5,
+    "lambda_": 4.0,
+    "width": 0.5,
+    "learning_rate": 30.0,
+    "leakage": 0.5,
+    "center_span": 1.0,
+    "network_input": "error",
+    "switching": "tanh",
+    "reaching": "exponential",
+    "inertia_shaped": False,
+    "kp": 100.0,
+    "kd": 20.0,
 }
 CHANGED: dict[str, Any] = {
-    "p": 11.0, "k": 5.0, "network_input": "angle", "switching": "saturation", "reaching": "power",
+    "p": 11.0,
+    "k": 5.0,
+    "network_input": "angle",
+    "switching": "saturation",
+    "reaching": "power",
     "inertia_shaped": True,
 }
 NEEDED = {"alpha": {"reaching": "power"}}
-GAINS = [
-    (law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"
-]
+GAINS = [(law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"]
 PER_JOINT = [
-    (law, name) for law, name in GAINS if LAWS[law].lane.model_fields[name].annotation != float
-    and isinstance(BASE[name], float)
+    (law, name)
+    for law, name in GAINS
+    if LAWS[law].lane.model_fields[name].annotation is not float and isinstance(BASE[name], float)
 ]
 
 
@@ -54,8 +73,12 @@ def document(lane: dict[str, Any], mode: str = "continuous") -> dict[str, Any]:
         "lanes": {"A": lane},
         "disturbance": {"constant": 2.0, "nominal_mismatch": 0.8},
         "simulation": {
-            "mode": mode, "horizon": 0.1, "step": 0.005, "control_rate": 500.0,
-            "plant_substeps": 2, "initial_error": 0.1,
+            "mode": mode,
+            "horizon": 0.1,
+            "step": 0.005,
+            "control_rate": 500.0,
+            "plant_substeps": 2,
+            "initial_error": 0.1,
         },
     }
 
@@ -181,7 +204,9 @@ def toy_control(gains, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def toy_step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def] # noqa: E501
+def toy_step(
+    stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record
+):  # type: ignore[no-untyped-def]
     """One stage of continuous mode."""
     begin(stage, t, trajectory, world, work)
     toy_control(gains, work)
@@ -189,7 +214,9 @@ def toy_step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, tra
 
 
 @kernel
-def toy_sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def] # noqa: E501
+def toy_sample(
+    t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record
+):  # type: ignore[no-untyped-def]
     """One control period of sampled mode."""
     observe(t, number, trajectory, world, work)
     toy_control(gains, work)

@@ -128,6 +128,7 @@ def test_reaching_is_what_the_metrics_say_and_the_layer_holds_after_it(terminal:
         assert joint.inside == pytest.approx(inside.mean())
         if joint.last_outside is not None:
             assert inside[run.time > joint.last_outside].all()
+    assert view.outside == pytest.approx(np.mean((np.abs(run.S) > run.layer).any(axis=1)))
 
 
 def test_V_is_half_S_M_S_of_the_true_arm(terminal: Any) -> None:
@@ -140,12 +141,16 @@ def test_V_is_half_S_M_S_of_the_true_arm(terminal: Any) -> None:
 
 
 def test_V_falls_outside_the_layer_where_the_gains_beat_the_disturbance() -> None:
-    lane = {"law": "nftsm", "nu": 5.0, "c": 1.0, "epsilon": 0.02, "inertia_shaped": True}
+    lane = {
+        "law": "nftsm", "nu": 5.0, "c": 1.0, "epsilon": 0.02, "inertia_shaped": True,
+        "k1": 2.0, "k2": 2.0,
+    }
     start = {"initial_error": 0.2, "initial_velocity": "rest"}
     trajectory = {"kind": "hold"}
     view = sliding_mode.look(
         *_named(ran(experiment(lane, simulation=start, trajectory=trajectory)))
     )
+    assert view.outside > 0.05
     assert view.growing_outside == 0.0
     assert view.V[0] > 1.0
     assert view.V[-1] < 1e-3 * view.V[0]
@@ -163,6 +168,11 @@ def test_derivative_of_V_integrates_to_its_change(terminal: Any) -> None:
     assert change == pytest.approx(view.V[-1] - view.V[late][0], abs=0.1 * np.ptp(view.V[late]))
 
 
+def test_V_turns_with_every_switch_and_seldom_without(terminal: Any, restless: Any) -> None:
+    assert sliding_mode.look(*_named(restless)).turns > 100.0
+    assert sliding_mode.look(*_named(terminal)).turns < 20.0
+
+
 # --- the network lens --------------------------------------------------------------------------
 
 
@@ -173,7 +183,8 @@ def test_weights_and_hidden_outputs_give_the_networks_last_output(learning: Any)
     for j in range(6):
         hidden = network_view.hidden_outputs(inputs[-1:, j], gains.centers(), gains.width)
         # The weights are those after the last step, one step later than the recorded output.
-        assert hidden[0] @ run.final_weights[:, j] == pytest.approx(run.f[-1, j], rel=2e-3, abs=0.02)
+        output = hidden[0] @ run.final_weights[:, j]
+        assert output == pytest.approx(run.f[-1, j], rel=2e-3, abs=0.02)
 
 
 def test_norms_of_the_final_weights_continue_the_recorded_ones(learning: Any) -> None:

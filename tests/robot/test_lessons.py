@@ -137,7 +137,7 @@ def test_texts_are_filled_from_claims_and_experiments() -> None:
         ("ν of NFTSM", "0.3\u00a0s⁻¹", "30\u00a0s⁻¹")
     ]
     assert step["experiment"]["lanes"]["NFTSM"]["nu"] == 30
-    assert (step["preset"], step["fresh"]) == ("paper", False)
+    assert step["preset"] == "paper"
 
 
 @pytest.mark.parametrize(

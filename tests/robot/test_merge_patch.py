@@ -122,10 +122,20 @@ def test_a_further_lane_comes_last() -> None:
 @pytest.mark.parametrize(
     "patch",
     [
-        [1], "text", None, 5, {"lanes": "x"}, {"lanes": {"first": 3}}, {"lanes": {"first": [1]}},
-        {"lanes": {"first": {"law": None}}}, {"trajectory": {"kind": None}}, {"trajectory": 4},
-        {"lanes": {"first": None, "second": None, "third": None}}, {"lanes": {"new": {"nu": 1}}},
-        {"lanes": {"first": {"law": {"a": 1}}}}, {"lanes": {"first": {"law": ["smc"]}}},
+        [1],
+        "text",
+        None,
+        5,
+        {"lanes": "x"},
+        {"lanes": {"first": 3}},
+        {"lanes": {"first": [1]}},
+        {"lanes": {"first": {"law": None}}},
+        {"trajectory": {"kind": None}},
+        {"trajectory": 4},
+        {"lanes": {"first": None, "second": None, "third": None}},
+        {"lanes": {"new": {"nu": 1}}},
+        {"lanes": {"first": {"law": {"a": 1}}}},
+        {"lanes": {"first": {"law": ["smc"]}}},
     ],
 )
 def test_a_shapeless_patch_is_refused_and_changes_nothing(patch: Any) -> None:

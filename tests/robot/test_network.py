@@ -23,9 +23,7 @@ from robot.workspace import (
 )
 
 Array = np.ndarray
-PUBLISHED_CENTERS = (
-    -1, -0.7778, -0.5556, -0.3333, -0.1111, 0.1111, 0.3333, 0.5556, 0.7778, 1,
-)
+PUBLISHED_CENTERS = (-1, -0.7778, -0.5556, -0.3333, -0.1111, 0.1111, 0.3333, 0.5556, 0.7778, 1)
 
 
 def evaluated(gains: NetworkGains, base: int = CURRENT, seed: int = 1) -> Array:
@@ -46,13 +44,16 @@ def test_centres_are_the_published_ones_with_the_sixth_corrected() -> None:
 @pytest.mark.parametrize("base", [CURRENT, HALF])
 def test_output_is_equation_19(source: str, base: int) -> None:
     gains = NetworkGains(
-        width=[0.1, 0.3, 1, 3, 10, 100], center_span=1.7, network_input=source,
-        learning_rate=[1, 2, 3, 4, 5, 6], leakage=[6, 5, 4, 3, 2, 1],
+        width=[0.1, 0.3, 1, 3, 10, 100],
+        center_span=1.7,
+        network_input=source,
+        learning_rate=[1, 2, 3, 4, 5, 6],
+        leakage=[6, 5, 4, 3, 2, 1],
     )
     work = evaluated(gains, base)
-    x = {
-        "error": work[QD] - work[MEASURED_Q], "angle": work[MEASURED_Q], "desired": work[QD],
-    }[source]
+    x = {"error": work[QD] - work[MEASURED_Q], "angle": work[MEASURED_Q], "desired": work[QD]}[
+        source
+    ]
     distance = x - gains.centers()[:, None]
     hidden = np.exp(-(distance**2) / (2 * np.square(gains.width)))
     weights = work[base + W : base + W + NODES]

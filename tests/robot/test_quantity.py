@@ -20,7 +20,15 @@ from robot.switching import ReachingGains
 
 # Ratios, counts and weights: pure numbers, so that they have no unit.
 WITHOUT_UNIT = {
-    "inertia_scale", "nominal_mismatch", "alpha", "c", "mu", "p", "k", "plant_substeps", "seed",
+    "inertia_scale",
+    "nominal_mismatch",
+    "alpha",
+    "c",
+    "mu",
+    "p",
+    "k",
+    "plant_substeps",
+    "seed",
 }
 TAGS = {"law", "kind", "slidetune"}
 
@@ -75,7 +83,9 @@ def refused(section: type[Section], **values: Any) -> str:
 
 def test_all_numbers_of_the_document_are_looked_at() -> None:
     assert len(NUMBERS) > 60
-    assert {"k1", "nu", "step", "torque_limit", "seed", "radius"} <= {name for _, name, _ in NUMBERS}
+    assert {"k1", "nu", "step", "torque_limit", "seed", "radius"} <= {
+        name for _, name, _ in NUMBERS
+    }
 
 
 @pytest.mark.parametrize(("section", "name", "info"), NUMBERS, ids=IDS)

@@ -92,9 +92,18 @@ def test_all_bad_fields_are_told_at_once() -> None:
 @pytest.mark.parametrize(
     "document",
     [
-        {"title": "\ud800"}, {"\ud800": 1}, {"lanes": {"\ud800": {"law": "smc"}}}, [1], "text", 3,
-        None, {1: 2}, {"lanes": {1: {"law": "smc"}}}, {"title": ["x" * 100_000]},
-        {"lanes": [HUGE]}, {"robot": {"\udfff": HUGE}},
+        {"title": "\ud800"},
+        {"\ud800": 1},
+        {"lanes": {"\ud800": {"law": "smc"}}},
+        [1],
+        "text",
+        3,
+        None,
+        {1: 2},
+        {"lanes": {1: {"law": "smc"}}},
+        {"title": ["x" * 100_000]},
+        {"lanes": [HUGE]},
+        {"robot": {"\udfff": HUGE}},
     ],
 )
 def test_refusals_can_be_sent_and_are_short(document: Any) -> None:

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robot.errors import InvalidExperimentError
 from robot.experiment import MAX_STEPS, Experiment, Simulation
+from robot.margin import sufficient_layer
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.simulate import LaneRun, simulate
@@ -20,12 +22,19 @@ from robot.stability import (
     sufficient_rate,
     worst_margin,
 )
+from robot.torque_need import required_torque
 
 Array = np.ndarray
 DATASHEET = {"inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15]}
 CHATTERING = {
-    "law": "rbfnn_nftsm", "nu": 10, "c": 1, "mu": 0.1, "k1": [80, 80, 40, 8, 8, 8],
-    "k2": [40, 40, 25, 5, 5, 5], "learning_rate": [40, 40, 20, 4, 4, 4], "epsilon": 0.03,
+    "law": "rbfnn_nftsm",
+    "nu": 10,
+    "c": 1,
+    "mu": 0.1,
+    "k1": [80, 80, 40, 8, 8, 8],
+    "k2": [40, 40, 25, 5, 5, 5],
+    "learning_rate": [40, 40, 20, 4, 4, 4],
+    "epsilon": 0.03,
 }
 DELAYS = [0.0, 0.0001, 0.0003, 0.0005, 0.001, 0.002]
 
@@ -41,7 +50,10 @@ def linear(share: float, delay: float, lane: dict[str, Any] | None = None) -> La
     document: dict[str, Any] = {
         "trajectory": {"kind": "hold"},
         "simulation": {
-            "mode": "sampled", "input_delay": delay, "horizon": 2.0, "initial_error": 1e-4,
+            "mode": "sampled",
+            "input_delay": delay,
+            "horizon": 2.0,
+            "initial_error": 1e-4,
         },
     }
     probe = packed_of(document, {**lane, "k1": 1.0})
@@ -57,7 +69,7 @@ def test_linear_gains_just_below_the_border_decay(delay: float) -> None:
     assert run.freeze is None
     # With a delay the arm falls freely for a moment; what that leaves dies with 1/lambda.
     assert np.abs(run.v[-200:]).max() < 0.02
-    assert np.abs(run.e[-200:]).max() < 0.02
+    assert np.abs(run.e[-200:]).max() < 0.1
 
 
 @pytest.mark.parametrize("delay", DELAYS)
@@ -205,11 +217,31 @@ def notes_of(document: dict[str, Any], lane: dict[str, Any] | None = None) -> di
 
 
 SAMPLED = {"simulation": {"mode": "sampled"}}
+THIN = [0.01, 0.01, 0.01, 0.02, 0.02, 0.02]
+THIN_SIGN = {**CHATTERING, "switching": "sign"}
+RATING = [150, 150, 150, 28, 28, 28]
+LIMITED = {**DATASHEET, "torque_limit": RATING}
+WEAK = {"armature": 0.5, "torque_limit": RATING}
+AT_REST = {"simulation": {"initial_velocity": "rest"}}
+NOISES = ("position", "velocity")
+DELAYED = {"simulation": {"input_delay": 0.001}, "robot": DATASHEET}
 PROPOSALS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
-    ("simulation.control_rate", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "epsilon": 0.01}),
+    ("lanes.A.epsilon", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "epsilon": 0.01}),
+    ("lanes.A.epsilon", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "epsilon": THIN}),
+    ("lanes.A.switching", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "switching": "sign"}),
+    ("lanes.A.switching", {**SAMPLED, "robot": DATASHEET}, {**THIN_SIGN, "epsilon": 0.001}),
+    ("simulation.control_rate", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "k1": 300}),
     ("lanes.A.nu", {}, {"law": "rbfnn_nftsm"}),
     ("lanes.A.nu", {"simulation": {"horizon": 120}}, {"law": "nftsm", "nu": 0.01, "c": 50}),
+    ("lanes.A.lambda_", {}, {"law": "rbfnn_smc", "lambda_": 0.05}),
+    ("lanes.A.kp", {}, {"law": "computed_torque", "kp": 2}),
+    ("lanes.A.kp", {}, {"law": "computed_torque", "kp": 0}),
     ("lanes.A.width", {}, {"law": "rbfnn_nftsm", "width": 0.02}),
+    ("lanes.A.leakage", {"robot": WEAK}, {"law": "rbfnn_nftsm"}),
+    ("robot.torque_limit", {"robot": WEAK}, {"law": "nftsm"}),
+    ("robot.torque_limit", {"robot": {**WEAK, "torque_limit": 100}}, {"law": "nftsm"}),
+    ("robot.torque_limit", {"robot": LIMITED, **AT_REST}, {"law": "rbfnn_nftsm"}),
+    ("simulation.input_delay", DELAYED, {"law": "computed_torque"}),
     ("robot.armature", {"robot": {"torque_limit": 100}}, {"law": "smc"}),
 ]
 
@@ -227,8 +259,10 @@ def test_a_note_proposes_what_removes_it(
 @pytest.mark.parametrize(
     "document",
     [
-        {"simulation": {"mode": "sampled", "horizon": 120, "control_rate": 100},
-         "robot": {"armature": 0.5}},
+        {
+            "simulation": {"mode": "sampled", "horizon": 120, "control_rate": 100},
+            "robot": {"armature": 0.5},
+        },
         {"simulation": {"horizon": 120}, "robot": {"torque_limit": 100}},
         {"simulation": {"mode": "sampled", "input_delay": 0.05}},
         {"simulation": {"mode": "sampled", "horizon": 20, "control_rate": 10_000}},
@@ -267,10 +301,73 @@ def test_nothing_is_said_of_numbers_that_are_good() -> None:
 
 
 def test_delay_is_named_where_it_makes_the_difference() -> None:
-    lane = {"law": "computed_torque", "kp": 0.0, "kd": 300.0}
+    lane = {"law": "computed_torque", "kp": 2000.0, "kd": 300.0}
     slow = {"mode": "sampled", "control_rate": 200.0}
     assert not notes_of({"simulation": slow}, lane)
     note = notes_of({"simulation": {**slow, "input_delay": 0.005}}, lane)["simulation.control_rate"]
     assert note.level == "warning"
     assert "γ = 1.5" in note.message
     assert "input delay needs less than 1:" in note.message
+
+
+def test_the_proposed_layer_is_hardly_wider_than_it_must_be() -> None:
+    document = {"robot": DATASHEET, **SAMPLED}
+    for epsilon in (0.001, 0.01, THIN):
+        packed = packed_of(document, {**CHATTERING, "epsilon": epsilon})
+        wide = sufficient_layer(packed, "A")
+        assert wide is not None
+        assert np.shape(wide) == np.shape(epsilon)
+        for share, stable in ((1.0, True), (0.85, False)):
+            patch = {"lanes": {"A": {"epsilon": np.multiply(share, wide).tolist()}}}
+            gamma = worst_margin(pack(packed.experiment.patched(patch)), "A")
+            assert (gamma < 2.0) == stable
+
+
+def test_no_layer_is_proposed_where_the_proportional_gain_is_the_trouble() -> None:
+    document = {"robot": DATASHEET, **SAMPLED}
+    assert sufficient_layer(packed_of(document, {**CHATTERING, "k1": 300}), "A") is None
+    assert "lanes.A.epsilon" not in notes_of(document, {**CHATTERING, "k1": 300})
+
+
+def test_required_torque_is_what_perfect_tracking_takes() -> None:
+    friction = {"viscous_friction": 3.0, "coulomb_friction": 2.0}
+    document = {"robot": {**DATASHEET, **friction}, "disturbance": {"constant": 4.0}}
+    lane = {"law": "computed_torque", "kp": 10000, "kd": 200}
+    packed = packed_of(document, lane)
+    greatest = np.abs(simulate(packed.experiment).lanes["A"].tau[2000:]).max(axis=0)
+    np.testing.assert_allclose(required_torque(packed), greatest, rtol=0.02, atol=0.3)
+
+
+def test_a_network_winds_up_by_as_much_a_second_as_is_told() -> None:
+    document = {
+        "robot": {**DATASHEET, "torque_limit": 10.0},
+        "trajectory": {"kind": "hold"},
+        "simulation": {"mode": "sampled", "horizon": 0.2, "initial_error": 0.3},
+    }
+    lane = {**CHATTERING, "learning_rate": 20}
+    note = notes_of(document, lane)["lanes.A.leakage"]
+    told = float(note.message.split("= ")[2].split(" N·m")[0])
+    joint = int(note.message.split("joint ")[1].split()[0]) - 1
+    run = simulate(packed_of(document, lane).experiment).lanes["A"]
+    assert abs(run.f[5, joint] - run.f[0, joint]) / 0.005 == pytest.approx(told, rel=0.05)
+
+
+def test_settings_of_sampled_mode_are_told_of_in_continuous_mode_alone() -> None:
+    noise = {"disturbance": {"sensor_noise": {"position": 1e-5, "velocity": 1e-3}}}
+    paths = {"simulation.input_delay", *(f"disturbance.sensor_noise.{x}" for x in NOISES)}
+    lane = {"law": "computed_torque"}
+    assert paths == set(notes_of({**DELAYED, **noise}, lane))
+    sampled = {"simulation": {"mode": "sampled", "input_delay": 0.001}}
+    assert not notes_of({**noise, **sampled, "robot": DATASHEET}, lane)
+
+
+def test_sampled_mode_is_not_proposed_where_it_would_diverge() -> None:
+    document = {"simulation": {"input_delay": 0.001}}
+    assert notes_of(document, {"law": "smc"})["simulation.input_delay"].patch is None
+
+
+@pytest.mark.parametrize(("p", "k"), [(3, 3), (7, 3), (3, 5)])
+def test_an_exponent_outside_its_bounds_is_refused_with_the_bounds(p: int, k: int) -> None:
+    with pytest.raises(InvalidExperimentError, match="between 1 and 2") as refused:
+        packed_of({}, {"law": "nftsm", "p": p, "k": k})
+    assert [field.path for field in refused.value.fields] == ["lanes.A.p"]

@@ -16,8 +16,11 @@ from robot.workspace import MEASURED_Q, MEASURED_V, QD, S_E, S_V, VD, WORK_ROWS,
 Array = np.ndarray
 ERRORS = st.lists(st.floats(-5.0, 5.0), min_size=JOINTS, max_size=JOINTS).map(np.array)
 NFTSM = NftsmSurface(
-    nu=[0.3, 1, 3, 10, 30, 0.01], c=[10, 1, 0.05, 2, 50, 5], mu=[0.3, 0, 1, 10, 0.1, 2],
-    p=[5, 7, 9, 5, 7, 19], k=[3, 5, 7, 3, 5, 11],
+    nu=[0.3, 1, 3, 10, 30, 0.01],
+    c=[10, 1, 0.05, 2, 50, 5],
+    mu=[0.3, 0, 1, 10, 0.1, 2],
+    p=[5, 7, 9, 5, 7, 19],
+    k=[3, 5, 7, 3, 5, 11],
 )
 LINEAR = LinearSurface(lambda_=[5, 1, 0.01, 100, 3, 7])
 SURFACES = [(NFTSM, nftsm_surface), (LINEAR, linear_surface)]

@@ -79,8 +79,12 @@ def test_slope_is_the_derivative(code: int, s: float, epsilon: float) -> None:
 @pytest.mark.parametrize("reaching", REACHINGS)
 def test_reaching_laws_have_their_values(switching: str, reaching: str) -> None:
     gains = ReachingGains(
-        k1=[1, 2, 3, 4, 5, 6], k2=[6, 5, 4, 3, 2, 1], epsilon=[0.1, 0.2, 0.5, 1, 2, 4],
-        switching=switching, reaching=reaching, alpha=0.3,
+        k1=[1, 2, 3, 4, 5, 6],
+        k2=[6, 5, 4, 3, 2, 1],
+        epsilon=[0.1, 0.2, 0.5, 1, 2, 4],
+        switching=switching,
+        reaching=reaching,
+        alpha=0.3,
     )
     for scale in (0.0, 1e-6, 0.01, 1.0, 30.0):
         sliding = scale * np.array([1.0, -1.0, 0.3, -2.0, 0.7, -0.1])

@@ -114,11 +114,7 @@ def test_chattering_at_one_kilohertz() -> None:
 
 
 def test_smoothing_is_not_free_of_the_sample_rate() -> None:
-    lanes = {
-        "sign": {**LANE, "switching": "sign"},
-        "tanh": LANE,
-        "wide": {**LANE, "epsilon": 0.1},
-    }
+    lanes = {"sign": {**LANE, "switching": "sign"}, "tanh": LANE, "wide": {**LANE, "epsilon": 0.1}}
     run = chattering(250.0, lanes)
     assert check_chattering(run, "sign", 2.67, 50_308.0) == pytest.approx(62.5, rel=0.04)
     # The limit cycle wanders: its power above 50 Hz depends on the span that is looked at.

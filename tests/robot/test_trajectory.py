@@ -16,8 +16,11 @@ from robot.workspace import AD, QD, VD, WORK_ROWS
 Array = np.ndarray
 KINDS: dict[str, dict[str, Any]] = {
     "sine": {
-        "kind": "sine", "amplitude": [1, 0.5, -0.3, 2, 0, 3], "offset": [0, 1, 2, -1, 0.5, 0],
-        "angular_frequency": [1, 2, 0.5, 0, 3, 20], "phase": [0, 1, -1, 2, 3, -3],
+        "kind": "sine",
+        "amplitude": [1, 0.5, -0.3, 2, 0, 3],
+        "offset": [0, 1, 2, -1, 0.5, 0],
+        "angular_frequency": [1, 2, 0.5, 0, 3, 20],
+        "phase": [0, 1, -1, 2, 3, -3],
     },
     "quintic": {"kind": "quintic", "duration": 3.0},
     "hold": {"kind": "hold", "position": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]},

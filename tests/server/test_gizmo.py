@@ -52,6 +52,11 @@ def browser(viewer: Viewer, gizmo: Gizmo) -> Iterator[ViserClient]:
         yield browser
 
 
+def beside(x: float, y: float, z: float) -> Array:
+    there: Array = FLANGE + np.array([x, y, z])
+    return there
+
+
 def pulled(gizmo: Gizmo, force: Array) -> bool:
     now = gizmo.force()
     return now is not None and np.allclose(now, force)
@@ -59,7 +64,7 @@ def pulled(gizmo: Gizmo, force: Array) -> bool:
 
 def hold(browser: ViserClient, gizmo: Gizmo, offset: tuple[float, float, float]) -> None:
     browser.drag("start", HANDLE)
-    browser.drag("update", HANDLE, FLANGE + offset)
+    browser.drag("update", HANDLE, beside(*offset))
     until(lambda: pulled(gizmo, STIFFNESS * np.array(offset)))
 
 
@@ -73,9 +78,9 @@ def test_the_force_is_that_of_the_spring(gizmo: Gizmo, browser: ViserClient) -> 
 
 def test_the_force_follows_both_ends_of_the_spring(gizmo: Gizmo, browser: ViserClient) -> None:
     hold(browser, gizmo, (0.1, 0.0, 0.0))
-    gizmo.follow(FLANGE + (0.02, 0.0, 0.0))
+    gizmo.follow(beside(0.02, 0.0, 0.0))
     assert pulled(gizmo, np.array([0.08 * STIFFNESS, 0.0, 0.0]))
-    browser.drag("update", HANDLE, FLANGE + (0.02, 0.0, 0.1))
+    browser.drag("update", HANDLE, beside(0.02, 0.0, 0.1))
     until(lambda: pulled(gizmo, np.array([0.0, 0.0, 0.1 * STIFFNESS])))
 
 
@@ -83,7 +88,7 @@ def test_the_force_has_a_ceiling_and_keeps_its_direction(
     gizmo: Gizmo, browser: ViserClient
 ) -> None:
     browser.drag("start", HANDLE)
-    browser.drag("update", HANDLE, FLANGE + (3.0, 0.0, -4.0))
+    browser.drag("update", HANDLE, beside(3.0, 0.0, -4.0))
     until(lambda: pulled(gizmo, STRONGEST * np.array([0.6, 0.0, -0.8])))
 
 
@@ -93,13 +98,8 @@ def test_nonsense_from_a_browser_is_not_believed(
 ) -> None:
     hold(browser, gizmo, (0.1, 0.0, 0.0))
     browser.drag("update", HANDLE, (0.0, nonsense, 0.0))
-    browser.drag("update", HANDLE, FLANGE + (0.0, 0.0, 0.2))
-    forces = []
-    until(
-        lambda: pulled(gizmo, np.array([0.0, 0.0, 0.2 * STIFFNESS])),
-        lambda: forces.append(gizmo.force()),
-    )
-    assert np.isfinite(forces).all()
+    until(lambda: gizmo._handle.position[0] == 0.0)
+    assert pulled(gizmo, np.array([0.1 * STIFFNESS, 0.0, 0.0]))
 
 
 def test_a_touched_handle_does_not_pull(gizmo: Gizmo, browser: ViserClient) -> None:
@@ -113,7 +113,7 @@ def test_letting_go_ends_the_pull_and_returns_the_handle(
     hold(browser, gizmo, (0.1, 0.1, 0.1))
     browser.drag("end", HANDLE)
     until(lambda: gizmo.force() is None)
-    there = FLANGE + (0.0, 0.0, 0.01)
+    there = beside(0.0, 0.0, 0.01)
     gizmo.follow(there)
     until(lambda: np.allclose(browser.poses[HANDLE]["position"], there))
 
@@ -132,7 +132,7 @@ def test_a_steady_hand_pulls_on_and_a_forgotten_one_does_not(
     assert gizmo.force() is not None
     clock.time += 0.2 * PATIENCE
     assert gizmo.force() is None
-    browser.drag("update", HANDLE, FLANGE + (0.2, 0.0, 0.0))
+    browser.drag("update", HANDLE, beside(0.2, 0.0, 0.0))
     until(lambda: pulled(gizmo, np.array([0.2 * STIFFNESS, 0.0, 0.0])))
 
 
@@ -142,12 +142,12 @@ def test_the_handle_stays_with_the_hand_while_the_arm_moves(
     with ViserClient(viewer.get_port()) as watcher:
         until(lambda: len(viewer.get_clients()) == 2)
         hold(browser, gizmo, (0.1, 0.0, 0.0))
-        until(lambda: np.allclose(watcher.poses[HANDLE]["position"], FLANGE + (0.1, 0.0, 0.0)))
+        until(lambda: np.allclose(watcher.poses[HANDLE]["position"], beside(0.1, 0.0, 0.0)))
         for step in range(5):
-            gizmo.follow(FLANGE + (0.0, 0.0, 0.01 * step))
+            gizmo.follow(beside(0.0, 0.0, 0.01 * step))
         viewer.scene.add_frame("/after")
         until(lambda: "/after" in watcher.nodes)
-        assert np.allclose(watcher.poses[HANDLE]["position"], FLANGE + (0.1, 0.0, 0.0))
+        assert np.allclose(watcher.poses[HANDLE]["position"], beside(0.1, 0.0, 0.0))
 
 
 def test_the_handle_belongs_to_the_first_hand(
@@ -157,16 +157,14 @@ def test_the_handle_belongs_to_the_first_hand(
         until(lambda: len(viewer.get_clients()) == 2)
         hold(browser, gizmo, (0.1, 0.0, 0.0))
         other.drag("start", HANDLE)
-        other.drag("update", HANDLE, FLANGE + (0.0, 0.3, 0.0))
+        other.drag("update", HANDLE, beside(0.0, 0.3, 0.0))
         other.drag("end", HANDLE)
         # What the first one is sent on its account says that Viser has heard the second.
-        until(lambda: np.allclose(browser.poses[HANDLE]["position"], FLANGE + (0.0, 0.3, 0.0)))
+        until(lambda: np.allclose(browser.poses[HANDLE]["position"], beside(0.0, 0.3, 0.0)))
         assert pulled(gizmo, np.array([0.1 * STIFFNESS, 0.0, 0.0]))
 
 
-def test_the_arrow_shows_the_force_while_there_is_one(
-    gizmo: Gizmo, browser: ViserClient
-) -> None:
+def test_the_arrow_shows_the_force_while_there_is_one(gizmo: Gizmo, browser: ViserClient) -> None:
     arrow = "/pull_arrow"
     assert not browser.visible[arrow]
     hold(browser, gizmo, (0.3, 0.0, 0.0))

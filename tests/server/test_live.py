@@ -166,6 +166,7 @@ def test_a_renamed_lane_keeps_its_colour_place_and_state(served: Served) -> None
         renamed = text(socket, "hello")
         assert renamed["lanes"][1] == {"name": "Rival", "color": hello["lanes"][1]["color"]}
         assert renamed["state"]["time"] > 0.0
+        assert renamed["baseline"]["lanes"]["Rival"] == gains
 
 
 def test_metrics_come_with_margins_and_remarks(served: Served) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import socket
-import threading
 from collections.abc import Iterator
 
 import numpy as np
@@ -94,74 +92,24 @@ def replay(scene: Scene) -> tuple[int, set[str]]:
         return newcomer.replayed, set(newcomer.nodes)
 
 
-def test_the_scene_listens_on_loopback_alone(scene: Scene) -> None:
-    socket.create_connection(("127.0.0.1", scene.port), timeout=5.0).close()
-    with pytest.raises(OSError, match=r".+"):
-        # Another address of this machine, which a server on all of them would answer at.
-        socket.create_connection(("127.0.0.2", scene.port), timeout=5.0)
-
-
-def test_a_taken_port_leads_to_another(scene: Scene) -> None:
-    other = Scene(scene.port)
-    try:
-        assert other.port != scene.port
-    finally:
-        other.close()
-
-
-def test_the_scene_says_nothing(capfd: pytest.CaptureFixture[str]) -> None:
-    scene = Scene()
-    with ViserClient(scene.port):
-        scene.close()
-    assert capfd.readouterr() == ("", "")
-
-
-def test_closing_leaves_no_thread() -> None:
-    before = set(threading.enumerate())
-    scene = Scene()
-    scene.configure(LANES, "first", Robot(), LOOP)
-    with ViserClient(scene.port) as browser:
-        browser.drag("start", "/pull")
-        until(lambda: scene.push() is not None)
-        scene.update(frame())
-        scene.close()
-    assert set(threading.enumerate()) <= before
-
-
-def test_the_scene_cannot_be_published(scene: Scene, browser: ViserClient) -> None:
-    assert not browser.others["ThemeConfigurationMessage"]["show_share_button"]
-    browser.send("ShareUrlRequest")
-    browser.drag("start", "/pull")
-    until(lambda: scene.push() is not None)  # so that Viser has heard the request too
-    assert scene._viewer.request_share_url() is None
-    assert scene._viewer._share_tunnel is None
-
-
-def test_the_panel_is_minimised(browser: ViserClient) -> None:
-    assert browser.others["GuiSetPanelCollapsedMessage"]["collapsed"]
-
-
+@pytest.mark.parametrize("step", [0, 1, 7])
 @pytest.mark.parametrize("exaggeration", [1.0, 12.0])
 def test_every_arm_stands_where_its_angles_put_it(
-    scene: Scene, browser: ViserClient, exaggeration: float
+    scene: Scene, browser: ViserClient, exaggeration: float, step: int
 ) -> None:
     scene.view(exaggeration, ghosts=True)
-    for step in range(3):
-        now = frame(step)
-        drawn = {n: exaggerated_angles(now.q_d, q, exaggeration) for n, q in now.q.items()}
-        arms = {"first": "/arm", "second": "/ghost_1", "third": "/ghost_2"}
-        for name, arm in arms.items():
-            until(
-                lambda name=name, arm=arm: stands(browser, arm, drawn[name]),  # type: ignore[misc]
-                lambda: scene.update(now),
-            )
-        handle = flange_positions(drawn["first"][None])[0]
-        until(lambda: np.allclose(browser.poses["/pull"]["position"], handle, atol=1e-4))
+    now = frame(step)
+    drawn = {name: exaggerated_angles(now.q_d, q, exaggeration) for name, q in now.q.items()}
+    arms = {"/arm": "first", "/ghost_1": "second", "/ghost_2": "third"}
+    until(
+        lambda: all(stands(browser, arm, drawn[name]) for arm, name in arms.items()),
+        lambda: scene.update(now),
+    )
+    handle = flange_positions(drawn["first"][None])[0]
+    until(lambda: np.allclose(browser.poses["/pull"]["position"], handle, atol=1e-4))
 
 
-def test_a_thousand_pictures_add_no_node_and_no_message(
-    scene: Scene, browser: ViserClient
-) -> None:
+def test_a_thousand_pictures_add_no_node_and_no_message(scene: Scene, browser: ViserClient) -> None:
     until(lambda: len(scene._viewer.get_clients()) == 1)
     scene.view(10.0, ghosts=True)
     for step in range(3):
@@ -296,11 +244,36 @@ def test_a_lane_that_has_stopped_turns_grey_and_stands_still(
     assert stands(browser, "/ghost_1", held)
 
 
+def test_the_trail_of_a_stopped_lane_is_exaggerated_with_the_others(
+    scene: Scene, browser: ViserClient
+) -> None:
+    stopped = frozenset({"second"})
+    for step in range(60):
+        scene.update(frame(step, stopped if step > 40 else frozenset()))
+
+    def oldest(factor: float) -> Array:
+        q_d = frame().q_d[None]
+        drawn = exaggerated_angles(q_d, q_d + OFFSETS["second"], factor)
+        there: Array = flange_positions(drawn)[0]
+        return there
+
+    for factor in (1.0, 9.0):
+        scene.view(factor, ghosts=True)
+        until(
+            lambda factor=factor: np.allclose(  # type: ignore[misc]
+                browser.nodes["/trail_1"]["points"][:3], oldest(factor), atol=1e-4
+            ),
+            lambda: scene.update(frame(60, stopped)),
+        )
+
+
 def test_a_selected_lane_that_has_stopped_is_seen_as_one(
     scene: Scene, browser: ViserClient
 ) -> None:
     moving = chain("/arm")[0]
-    until(lambda: browser.visible[moving] and len(ghosts(browser)) == 2, lambda: scene.update(frame()))
+    until(
+        lambda: browser.visible[moving] and len(ghosts(browser)) == 2, lambda: scene.update(frame())
+    )
     stopped = frame(1, frozenset({"first"}))
     until(lambda: not browser.visible[moving], lambda: scene.update(stopped))
     assert "/ghost_0" in ghosts(browser)
@@ -362,7 +335,7 @@ def test_a_pull_at_the_drawn_flange_is_felt(scene: Scene, browser: ViserClient) 
     scene.update(frame())
     browser.drag("start", "/pull")
     flange = flange_positions(frame().q["first"][None])[0]
-    browser.drag("update", "/pull", flange + (0.0, 0.0, 0.1))
+    browser.drag("update", "/pull", flange + np.array([0.0, 0.0, 0.1]))
     force = np.array([0.0, 0.0, 50.0])
 
     def felt() -> bool:

@@ -76,7 +76,7 @@ class ViserClient:
             max_size=None,
             proxy=None,
         )
-        self._reader = threading.Thread(target=self._read)
+        self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         # Viser counts a browser in when it has said where its camera is.
         numbers = {"fov": 0.7, "near": 0.1, "far": 10.0, "image_height": 700, "image_width": 900}
@@ -100,7 +100,10 @@ class ViserClient:
     def drag(self, phase: str, name: str, position: Any = None) -> None:
         """Say that the pointer has taken, moved or left a handle."""
         kinds = {"start": "DragStart", "update": "Update", "end": "DragEnd"}
-        place = {"wxyz": (1.0, 0.0, 0.0, 0.0), "position": tuple(map(float, () if position is None else position))}
+        place = {
+            "wxyz": (1.0, 0.0, 0.0, 0.0),
+            "position": tuple(map(float, () if position is None else position)),
+        }
         fields = place if phase == "update" else {}
         self.send(f"TransformControls{kinds[phase]}Message", name=name, **fields)
 
@@ -122,12 +125,15 @@ class ViserClient:
             self.visible[name] = message["visible"]
         elif kind in ("SetPositionMessage", "SetOrientationMessage"):
             part = "position" if kind == "SetPositionMessage" else "wxyz"
-            self.poses[name][part] = np.array(message[part])
+            self._pose(name)[part] = np.array(message[part])
         elif kind == "RemoveSceneNodeMessage":
             self.nodes.pop(name)
         elif "props" in message and name:
             self.nodes[name] = dict(message["props"])
-            rest = {"position": np.zeros(3), "wxyz": np.array([1.0, 0.0, 0.0, 0.0])}
-            self.poses.setdefault(name, rest)
+            self._pose(name)
         else:
             self.others[kind] = message
+
+    def _pose(self, name: str) -> Message:
+        rest = {"position": np.zeros(3), "wxyz": np.array([1.0, 0.0, 0.0, 0.0])}
+        return self.poses.setdefault(name, rest)

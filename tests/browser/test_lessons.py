@@ -1,0 +1,148 @@
+"""Lessons as a learner goes through them, in a real Chromium."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Dashboard
+
+DEADLINE = 30.0
+
+
+@pytest.fixture
+def learner(dashboard: Dashboard, page: Page) -> Page:
+    """The dashboard's page with the list of lessons open, opened by key."""
+    # The lessons are not about the 3D scene, and drawing it in software takes a whole core.
+    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(dashboard.url)
+    expect(page.locator(".lane")).to_have_count(3)
+    page.keyboard.press("l")
+    expect(page.locator(".lesson-row")).to_have_count(6)
+    return page
+
+
+def begin(page: Page, name: str) -> None:
+    page.locator(f"[data-lesson={name}]").click()
+    at_step(page, 1)
+
+
+def at_step(page: Page, number: int) -> None:
+    expect(page.locator(".lesson-title small")).to_contain_text(f"Step {number} of")
+    expect(page.locator(".lesson-title")).to_be_focused()
+    expect(page.locator(".lesson[data-waiting]")).to_have_count(0)
+
+
+def live(dashboard: Dashboard) -> dict[str, Any]:
+    experiment: dict[str, Any] = dashboard.client.get("api/experiment").json()["experiment"]
+    return experiment
+
+
+def chattering(dashboard: Dashboard, lane: str, since: float) -> float:
+    """Return a lane's chattering once the session has run for so long since its reset."""
+    end = time.monotonic() + DEADLINE
+    while dashboard.client.get("api/session").json()["time"] < since:
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    while lane not in (lanes := dashboard.client.get("api/metrics").json()["lanes"]):
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    value: float = lanes[lane]["total"]["chattering"]
+    return value
+
+
+def test_the_lesson_on_chattering_goes_to_its_end_and_back(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    page, before = learner, live(dashboard)
+    steps = dashboard.client.get("api/lessons/chattering").json()["steps"]
+    begin(page, "chattering")
+    for number, step in enumerate(steps, start=1):
+        at_step(page, number)
+        question = step["question"]
+        if question:
+            # The prediction comes first: until then everything is as the last step left it.
+            assert live(dashboard) == steps[number - 2]["experiment"]
+            guess = question["answer"] if number % 2 else 0
+            page.locator(".lesson-choice").nth(guess).click()
+            page.get_by_role("button", name="See what happens").click()
+            verdict = "Right." if guess == question["answer"] else "Not this time."
+            expect(page.locator(".lesson-verdict")).to_contain_text(verdict)
+            expect(page.locator(".lesson-choice.is-answer")).to_contain_text("what happens")
+            expect(page.locator(".lesson-reveal")).to_contain_text(question["explanation"][0][:40])
+        assert live(dashboard) == step["experiment"]
+        if step["view"]:
+            tab = page.get_by_role("tab", name=step["view"].capitalize(), exact=True)
+            expect(tab).to_have_attribute("aria-selected", "true")
+        if number == 2:
+            assert chattering(dashboard, "sign", 1.0) > 100_000
+            assert chattering(dashboard, "tanh", 1.0) < 1_000
+        if number < len(steps):
+            page.keyboard.press("ArrowRight")
+    page.get_by_role("button", name="Finish").click()
+    expect(page.locator("[data-lesson=chattering]")).to_contain_text("done")
+    assert live(dashboard) == before
+    expect(page.locator(".preset-name")).to_have_text("paper")
+
+
+def test_a_lesson_can_be_left_at_any_step_and_survives_a_reload(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    page, before = learner, live(dashboard)
+    begin(page, "convergence")
+    page.keyboard.press("ArrowRight")
+    at_step(page, 2)
+    # An open question doesn't let one pass, and arrows choose among its answers.
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(".lesson-choice input").first).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    expect(page.locator(".lesson-verdict")).to_contain_text("three quarters")
+    page.reload()
+    expect(page.locator(".lesson-verdict")).to_contain_text("three quarters")
+    page.get_by_role("button", name="Close").click()
+    expect(page.locator(".lesson")).to_have_count(0)
+    assert live(dashboard) == before
+    page.keyboard.press("l")
+    expect(page.locator("[data-lesson=convergence]")).to_contain_text("step 2 of")
+
+
+def test_what_was_tuned_in_a_lesson_can_be_kept(learner: Page, dashboard: Dashboard) -> None:
+    page = learner
+    begin(page, "sliding-surface")
+    number = len(dashboard.client.get("api/lessons/sliding-surface").json()["steps"])
+    for step in range(1, number):
+        if page.locator(".lesson-guess").count():
+            page.get_by_role("button", name="Skip the guess").click()
+            expect(page.locator(".lesson-verdict")).to_contain_text("What happens")
+        page.get_by_role("button", name="Next").click()
+        at_step(page, step + 1)
+    page.get_by_role("button", name="Keep this experiment").click()
+    expect(page.locator(".lesson-row")).to_have_count(6)
+    assert list(live(dashboard)["lanes"]) == ["NFTSM"]
+
+
+SIZES = [(1440, 900), (1024, 768), (420, 860)]
+
+
+def test_a_lesson_covers_no_other_part_of_the_screen(learner: Page) -> None:
+    page = learner
+    begin(page, "chattering")
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        lesson = page.locator(".lesson").bounding_box()
+        assert lesson is not None
+        boxes = [
+            box
+            for part in page.locator(".workspace > .part, .workspace > .transport").all()
+            if (box := part.bounding_box()) is not None
+        ]
+        assert len(boxes) >= 2
+        for box in boxes:
+            beside = box["x"] >= lesson["x"] + lesson["width"] - 1
+            above = box["y"] + box["height"] <= lesson["y"] + 1
+            below = box["y"] >= lesson["y"] + lesson["height"] - 1
+            assert beside or above or below, (width, box, lesson)

@@ -1,0 +1,186 @@
+// @ts-check
+/** What is doubtful about the numbers, said beside the control that it concerns, with a way out. */
+
+import {element} from './element.js';
+import {icon} from './icons.js';
+import {leaves, valueAt} from './merge_patch.js';
+
+/** @typedef {import('./merge_patch.js').Document} Document */
+/**
+ * @typedef {{level: 'info'|'warning', path: string, message: string, patch: Document|null}} Note
+ */
+/** @typedef {Note & {lanes: string[]}} Remark lanes that it is said of */
+/**
+ * @typedef {{api: import('./api.js').Api, history: import('./history.js').History,
+ *   names: import('./field_names.js').FieldNames, tell: import('./notices.js').Tell}} Desk
+ */
+
+const WORDS = {info: 'Note', warning: 'Warning'};
+
+/**
+ * @param {HTMLElement} column with the lanes, the gains and the rest of the experiment
+ * @param {Desk} desk
+ */
+export function mountGuard(column, desk) { new Guard(column, desk); }
+
+/** Keeps the remarks in the column in step with the server's. */
+class Guard {
+  #column;
+  #desk;
+  /** @type {Map<string, HTMLElement>} lines by what they say */ #lines = new Map();
+
+  /**
+   * @param {HTMLElement} column
+   * @param {Desk} desk
+   */
+  constructor(column, desk) {
+    this.#column = column;
+    this.#desk = desk;
+    const {api} = desk;
+    for (const type of ['metrics', 'select', 'hello', 'patch']) {
+      api.addEventListener(type, () => this.#show());
+    }
+    api.addEventListener('moving', () => { if (!api.moving) this.#show(); });
+    column.addEventListener('toggle', () => this.#markGroups(), true);
+  }
+
+  #show() {
+    const {api} = this.#desk;
+    // Nothing may move under the hand that drags a slider.
+    if (api.moving) return;
+    const kept = new Map();
+    for (const remark of remarksOf(api)) {
+      const place = this.#placeOf(remark.path);
+      if (!place) continue;
+      const key = JSON.stringify([remark, api.selected]);
+      const line = this.#lines.get(key) ?? this.#line(remark);
+      if (line.parentElement !== place) place.append(line);
+      kept.set(key, line);
+    }
+    for (const [key, line] of this.#lines) if (!kept.has(key)) line.remove();
+    this.#lines = kept;
+    this.#markGroups();
+    this.#markLanes();
+  }
+
+  /**
+   * @param {string} path
+   * @returns {HTMLElement|null} the control that it is about
+   */
+  #placeOf(path) { return this.#column.querySelector(`.control[data-path="${CSS.escape(path)}"]`); }
+
+  /** @param {Remark} remark */
+  #line({level, path, message, patch, lanes}) {
+    const {api} = this.#desk;
+    const others = lanes.length < api.lanes.length && !path.startsWith('lanes.');
+    const text = element('span', {class: 'guard-text'},
+      element('span', {class: 'visually-hidden'}, `${WORDS[level]}: `),
+      others && element('b', {}, `${lanes.join(', ')}: `), message);
+    const set = patch && element('button', {
+      class: 'button small', type: 'button', on: {click: () => this.#apply(set, patch)},
+    }, this.#proposal(patch));
+    return element('div', {class: `guard is-${level}`},
+      icon(level === 'warning' ? 'warning' : 'info'), text, set);
+  }
+
+  /** @param {Document} patch */
+  #proposal(patch) {
+    const parts = leaves(patch).map((path) => (
+      this.#desk.names.assignment(path, valueAt(patch, path))
+    ));
+    return `Set ${parts.join(', ')}`;
+  }
+
+  /**
+   * @param {HTMLButtonElement} button
+   * @param {Document} patch
+   */
+  async #apply(button, patch) {
+    const {history, tell} = this.#desk;
+    button.disabled = true;
+    try {
+      await history.change(patch, this.#proposal(patch));
+    } catch (error) {
+      tell(/** @type {Error} */ (error).message, {error: true});
+      button.disabled = false;
+    }
+  }
+
+  /** A closed group says that there is something in it. */
+  #markGroups() {
+    for (const group of this.#column.querySelectorAll('details.group')) {
+      const notes = [...group.querySelectorAll('.guard')];
+      const closed = !(/** @type {HTMLDetailsElement} */ (group).open);
+      const grave = notes.some((note) => note.classList.contains('is-warning'));
+      mark(group.querySelector('summary'), closed ? notes.length : 0, grave, '');
+    }
+  }
+
+  /** What is said of gains that aren't on the screen. */
+  #markLanes() {
+    const {api} = this.#desk;
+    for (const row of this.#column.querySelectorAll('.lane')) {
+      const name = row.getAttribute('data-lane') ?? '';
+      const own = notesOf(api, name).filter(({path}) => path.startsWith('lanes.'));
+      const shown = name === api.selected ? [] : own;
+      const grave = shown.some(({level}) => level === 'warning');
+      const title = shown.map(({message}) => message).join('\n');
+      mark(row.querySelector('.lane-pick'), shown.length, grave, title, '.lane-status');
+    }
+  }
+}
+
+/**
+ * @param {import('./api.js').Api} api
+ * @param {string} lane
+ * @returns {Note[]}
+ */
+function notesOf(api, lane) { return api.metrics?.lanes?.[lane]?.notes ?? []; }
+
+/**
+ * What is said of several lanes in the same words is one remark; the selected lane's come first,
+ * and the grave ones before the others.
+ *
+ * @param {import('./api.js').Api} api
+ * @returns {Remark[]}
+ */
+function remarksOf(api) {
+  const names = api.lanes.map(({name}) => name);
+  const order = [api.selected, ...names.filter((name) => name !== api.selected)];
+  /** @type {Map<string, Remark>} */ const found = new Map();
+  for (const lane of order) {
+    for (const note of notesOf(api, lane)) {
+      if (note.path.startsWith('lanes.') && lane !== api.selected) continue;
+      const key = JSON.stringify([note.level, note.path, note.message, note.patch]);
+      const known = found.get(key);
+      if (known) known.lanes.push(lane);
+      else found.set(key, {...note, lanes: [lane]});
+    }
+  }
+  return [...found.values()].sort((a, b) => (
+    Number(b.level === 'warning') - Number(a.level === 'warning')
+  ));
+}
+
+/**
+ * A small badge with a number, or none.
+ *
+ * @param {Element|null} place
+ * @param {number} count
+ * @param {boolean} grave
+ * @param {string} title
+ * @param {string} [before] what it stands before
+ */
+function mark(place, count, grave, title, before) {
+  if (!place) return;
+  const words = `${count} ${grave ? 'warning' : 'note'}${count > 1 ? 's' : ''}`;
+  const old = place.querySelector('.guard-badge');
+  if (!count) { old?.remove(); return; }
+  if (old?.getAttribute('data-words') === words && old.getAttribute('title') === title) return;
+  old?.remove();
+  const badge = element('span', {
+    class: `guard-badge ${grave ? 'is-warning' : 'is-info'}`, 'data-words': words, title,
+  }, icon(grave ? 'warning' : 'info'), element('span', {class: 'visually-hidden'}, words),
+  count > 1 && element('span', {'aria-hidden': 'true'}, String(count)));
+  place.insertBefore(badge, before ? place.querySelector(before) : null);
+}

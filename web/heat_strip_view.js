@@ -1,0 +1,164 @@
+// @ts-check
+/** What lies along a slider's track: the whole run's figure at twenty positions of one gain. */
+
+import {element} from './element.js';
+import {flat} from './field_names.js';
+import {bestOf, cellsOf, drawStrip, placeOf} from './heat_drawing.js';
+import {withUnit} from './quantity.js';
+import {figureText} from './study_metric.js';
+
+/** @typedef {import('./schema.js').Field} Field */
+/** @typedef {import('./study_metric.js').StudyRow} StudyRow */
+/** @typedef {import('./study_metric.js').StudyMetric} StudyMetric */
+
+/** Positions along a track. */
+export const COUNT = 20;
+
+/** One strip on the screen. */
+export class Strip {
+  slider;
+  field;
+  key;
+  /** @type {StudyRow[]} */ rows;
+  #metric;
+  #canvas = element('canvas', {class: 'heat-strip', 'aria-hidden': 'true'});
+  #words = element('span', {class: 'heat-words', 'aria-hidden': 'true'});
+  #bar = element('span', {class: 'heat-progress', 'aria-hidden': 'true'});
+  #aloud = element('span', {class: 'visually-hidden', role: 'status'});
+  #abort = new AbortController();
+  #failure = '';
+  /** @type {number|null} */ #pointer = null;
+
+  /**
+   * @param {HTMLInputElement} slider
+   * @param {Field} field
+   * @param {StudyMetric} metric
+   * @param {string} key
+   * @param {StudyRow[]} [rows] where all are known
+   */
+  constructor(slider, field, metric, key, rows) {
+    this.slider = slider;
+    this.field = field;
+    this.key = key;
+    this.rows = rows ?? [];
+    this.#metric = metric;
+    slider.parentElement?.append(this.#canvas, this.#bar, this.#words, this.#aloud);
+    this.draw();
+    if (rows) this.end();
+  }
+
+  get signal() { return this.#abort.signal; }
+
+  /** @param {StudyRow} row */
+  add(row) {
+    this.rows.push(row);
+    this.draw();
+  }
+
+  /** All positions are known. */
+  end() {
+    this.#bar.hidden = true;
+    this.#aloud.textContent = this.#summary();
+    this.tell();
+  }
+
+  /** @param {string} text */
+  fail(text) {
+    this.#failure = text;
+    this.#bar.hidden = true;
+    this.tell();
+  }
+
+  remove() {
+    this.#abort.abort();
+    for (const part of [this.#canvas, this.#bar, this.#words, this.#aloud]) part.remove();
+  }
+
+  get #track() {
+    const inset = matchMedia('(pointer: coarse)').matches ? 10 : 7;
+    return {width: this.slider.offsetWidth, inset};
+  }
+
+  draw() {
+    const {slider, rows, field} = this;
+    const track = this.#track;
+    const metric = this.#metric.chosen;
+    const best = rows.length === COUNT ? bestOf(rows, metric) : undefined;
+    const left = `${slider.offsetLeft}px`;
+    this.#canvas.style.left = left;
+    this.#bar.style.left = left;
+    this.#bar.style.width = `${(track.width * rows.length) / COUNT}px`;
+    drawStrip(this.#canvas, {
+      cells: cellsOf(COUNT, rows, track),
+      metric,
+      best: best ? {row: best, place: placeOf(best.value, field, track)} : null,
+      width: track.width,
+    });
+    if (best) this.#aloud.textContent = this.#summary();
+    this.tell();
+  }
+
+  /**
+   * Say what stands under the pointer, or else under the thumb.
+   *
+   * @param {number} [pointer] across the window
+   */
+  tell(pointer) {
+    if (pointer !== undefined) this.#pointer = pointer - this.slider.getBoundingClientRect().left;
+    if (!this.slider.matches(':hover')) this.#pointer = null;
+    const track = this.#track;
+    const thumb = placeOf(this.#value, this.field, track);
+    const at = this.#pointer ?? thumb;
+    const cell = cellsOf(COUNT, this.rows, track).find(({right}) => at <= right);
+    this.#words.replaceChildren(
+      element('span', {}, this.#failure || this.#at(cell?.row)), this.#rest(),
+    );
+    const room = (this.slider.parentElement?.clientWidth ?? 0) - this.#words.offsetWidth;
+    const left = this.slider.offsetLeft + at - this.#words.offsetWidth / 2;
+    this.#words.style.left = `${Math.max(0, Math.min(left, room))}px`;
+  }
+
+  get #value() {
+    const {log, minimum, maximum} = this.field;
+    const along = this.slider.valueAsNumber;
+    return log ? minimum * (maximum / minimum) ** (along / Number(this.slider.max)) : along;
+  }
+
+  get #name() { return flat(this.field.symbol) || this.field.title; }
+
+  /** @param {StudyRow|undefined} row */
+  #at(row) {
+    if (!row) return this.rows.length < COUNT ? 'trying …' : '';
+    const value = `${this.#name} ${rounded(row.value, this.field.unit)}`;
+    const metric = this.#metric.chosen;
+    const figure = row[metric.id];
+    if (row.state === 'refused') return `${value}: refused, ${row.reason}`;
+    if (row.state === 'diverged' || figure === null) return `${value}: diverges`;
+    const chatters = row.state === 'chattering' ? ', chatters' : '';
+    return `${value}: ${figureText(metric, figure)}${chatters}`;
+  }
+
+  #rest() {
+    if (this.#failure) return null;
+    const {length} = this.rows;
+    const text = length < COUNT ? `${length} of ${COUNT}` : this.#summary();
+    return element('span', {class: 'heat-best'}, text);
+  }
+
+  #summary() {
+    const metric = this.#metric.chosen;
+    const best = bestOf(this.rows, metric);
+    if (!best) return `no value of ${this.#name} holds`;
+    const figures = this.rows.flatMap((row) => row[metric.id] ?? []);
+    const flatness = Math.max(...figures) / Math.max(Math.min(...figures), Number.MIN_VALUE);
+    const figure = figureText(metric, /** @type {number} */ (best[metric.id]));
+    if (figures.length === COUNT && flatness < 1.01) return `makes no difference: ${figure}`;
+    return `best near ${rounded(best.value, '')}: ${figure}`;
+  }
+}
+
+/**
+ * @param {number} value
+ * @param {string} unit
+ */
+function rounded(value, unit) { return withUnit(Number(value.toPrecision(2)), unit); }

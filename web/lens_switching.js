@@ -1,0 +1,199 @@
+// @ts-check
+/** Sign, saturation and tanh side by side, everything else equal. */
+
+import {element} from './element.js';
+import {LensCard} from './lens_card.js';
+import {LensFigure} from './lens_figure.js';
+import {keyOf} from './lens_key.js';
+import {spectrumFigure} from './lens_spectrum.js';
+import {threeDigits} from './metrics_columns.js';
+
+/** @typedef {import('./lens_card.js').Look} Look */
+/** @typedef {{name: string, dash: string, seen?: any, refused?: string}} Trial */
+
+const MILLI = 1000;
+const FUNCTIONS = /** @type {const} */ ([['sign', 'dot'], ['saturation', 'dash'], ['tanh', 'solid']]);
+/** A preset in whose sampled loop all three can run. */
+const SAMPLED_PRESET = 'chattering-tanh';
+
+/** Runs the three when asked. */
+export class SwitchingCard {
+  element;
+  #api;
+  #desk;
+  #figure = new LensFigure({height: 260});
+  #button;
+  #note = element('p', {class: 'lens-note', role: 'status'});
+  #body = element('tbody');
+  #table;
+  #way;
+  #card;
+  /** @type {Trial[]} */ #trials = [];
+  #compared = '';
+  /** @type {AbortController|null} */ #running = null;
+  /** @type {Look|null} */ #look = null;
+
+  /**
+   * @param {import('./api.js').Api} api
+   * @param {import('./right_panel.js').Desk} desk
+   */
+  constructor(api, desk) {
+    this.#api = api;
+    this.#desk = desk;
+    this.#button = element('button', {
+      class: 'button small', type: 'button', on: {click: () => this.#pressed()},
+    }, 'Compare the three');
+    this.#table = element(
+      'div', {class: 'lens-scroll', tabindex: 0, role: 'region', 'aria-label': 'Switching functions'},
+      element('table', {class: 'lens-table'}, heading(), this.#body),
+    );
+    this.#way = element(
+      'p', {class: 'lens-note'}, 'All three run where the controller is sampled, as on a real arm. ',
+      element('button', {
+        class: 'button small', type: 'button', on: {click: () => desk.presets.load(SAMPLED_PRESET)},
+      }, `Load the preset ${SAMPLED_PRESET}`),
+    );
+    this.#card = new LensCard({
+      title: 'Sign, saturation, tanh', equation: 'Eq. 10–13',
+      words: 'sign(S) always pushes with all of k₂, so that it must switch without end; saturation '
+        + 'and tanh ease off within ε. One run of each, everything else equal.',
+    }, element('div', {class: 'lens-row'}, this.#button, this.#note), this.#table, this.#way,
+    this.#figure.element);
+    this.element = this.#card.element;
+  }
+
+  /** @param {Look} look */
+  show(look) {
+    if (this.#look && this.#look.lane !== look.lane) {
+      this.#running?.abort();
+      this.#trials = [];
+    }
+    this.#look = look;
+    this.#draw();
+  }
+
+  #key() { return keyOf(this.#api.experiment, this.#look?.lane ?? '', ['switching']); }
+
+  async #pressed() {
+    if (this.#running) {
+      this.#running.abort();
+      return;
+    }
+    const lane = this.#look?.lane;
+    if (!lane) return;
+    this.#running = new AbortController();
+    const {signal} = this.#running;
+    this.#trials = [];
+    await this.#api.settled();
+    this.#compared = this.#key();
+    for (const [name, dash] of FUNCTIONS) {
+      this.#draw();
+      const trial = await this.#run(lane, name, signal);
+      if (signal.aborted) break;
+      this.#trials.push({name, dash, ...trial});
+    }
+    this.#running = null;
+    this.#draw();
+  }
+
+  /**
+   * @param {string} lane
+   * @param {string} switching
+   * @param {AbortSignal} signal
+   */
+  async #run(lane, switching, signal) {
+    try {
+      const patch = {lanes: {[lane]: {switching}}};
+      const seen = await this.#api.lens(lane, ['chattering'], {patch, signal});
+      return {seen};
+    } catch (error) {
+      const {fields, message} = /** @type {import('./api.js').ApiError} */ (error);
+      return {refused: fields?.[0]?.message ?? message};
+    }
+  }
+
+  /** @param {string} switching */
+  async #use(switching) {
+    const lane = this.#look?.lane;
+    if (!lane) return;
+    try {
+      await this.#desk.history.change({lanes: {[lane]: {switching}}}, `switching of ${lane}`);
+    } catch (error) {
+      this.#desk.tell(/** @type {Error} */ (error).message, {error: true});
+    }
+  }
+
+  #draw() {
+    const look = this.#look;
+    if (!look) return;
+    const gains = this.#api.experiment.lanes?.[look.lane] ?? {};
+    const switches = 'switching' in gains;
+    const trials = this.#trials;
+    const old = trials.length > 0 && this.#key() !== this.#compared;
+    this.#button.disabled = !switches;
+    this.#button.textContent = this.#running ? 'Stop' : 'Compare the three';
+    this.#note.textContent = !switches ? 'This law has no switching function.'
+      : this.#running ? `${trials.length} of 3 runs …` : old ? 'Run before the last change.' : '';
+    this.#table.hidden = !trials.length;
+    this.#way.hidden = !trials.some(({refused}) => refused);
+    this.#body.replaceChildren(...trials.map((trial) => this.#row(trial, gains.switching)));
+    this.#card.finding = finding(trials);
+    this.#drawSpectra(look);
+  }
+
+  /** @param {Look} look */
+  #drawSpectra({joint, lane, color}) {
+    const ran = this.#trials.filter(({seen}) => seen?.chattering.frequency.length);
+    this.#figure.element.hidden = !ran.length;
+    if (!ran.length) return;
+    // A run that broke off early has other frequencies; they can't share an axis.
+    const {frequency} = ran[0].seen.chattering;
+    const alike = ran.filter(({seen}) => seen.chattering.frequency.length === frequency.length);
+    const spectra = alike.map(({name, dash, seen}) => ({
+      name, dash, color, density: seen.chattering.joints[joint - 1].density,
+      width: dash === 'solid' ? 2 : 1.5,
+    }));
+    this.#figure.draw(`Joint ${joint}: spectra of the torque under the three`, (colors) => (
+      spectrumFigure(colors, ran[0].seen.chattering, spectra, `${lane}-${joint}`)
+    ));
+  }
+
+  /**
+   * @param {Trial} trial
+   * @param {string} present
+   */
+  #row({name, seen, refused}, present) {
+    const head = element('th', {scope: 'row'}, name, name === present && ' (now)');
+    if (!seen) return element('tr', {}, head, element('td', {colspan: 6, class: 'is-text'}, refused));
+    const {mae, max_error: most, variation, above, switches} = seen.chattering;
+    if (seen.frozen) {
+      return element('tr', {}, head, element('td', {colspan: 6, class: 'is-text'}, seen.frozen.cause));
+    }
+    const numbers = [MILLI * mae, MILLI * most, variation, above, switches];
+    const use = name !== present && element('button', {
+      class: 'button small', type: 'button', 'aria-label': `Switch by ${name}`,
+      on: {click: () => this.#use(name)},
+    }, 'use');
+    return element('tr', {}, head, ...numbers.map((value) => element('td', {}, threeDigits(value))),
+      element('td', {}, use));
+  }
+}
+
+function heading() {
+  const titles = ['', 'MAE mrad', 'max |e| mrad', 'variation N·m/s', '> 50 Hz N·m', 'switches /s', ''];
+  return element('thead', {}, element('tr', {}, ...titles.map((text) => (
+    element('th', {scope: 'col'}, text)
+  ))));
+}
+
+/** @param {Trial[]} trials */
+function finding(trials) {
+  const of = (/** @type {string} */ name) => (
+    trials.find((trial) => trial.name === name && trial.seen && !trial.seen.frozen)?.seen.chattering
+  );
+  const [sign, tanh] = [of('sign'), of('tanh')];
+  if (!sign || !tanh) return '';
+  const times = threeDigits(sign.variation / Math.max(tanh.variation, 1e-9));
+  return `sign moves the torque ${times} times as much as tanh, for ${threeDigits(MILLI * sign.mae)} `
+    + `against ${threeDigits(MILLI * tanh.mae)} mrad of mean error.`;
+}

@@ -1,0 +1,210 @@
+// @ts-check
+/** The lenses: the selected lane's whole response, looked at so that it explains itself. */
+
+import {element} from './element.js';
+import {ChatteringLens} from './lens_chattering.js';
+import {keyOf} from './lens_key.js';
+import {NetworkLens} from './lens_network.js';
+import {SlidingLens} from './lens_sliding.js';
+import {LiveTrail} from './live_trail.js';
+import {PlotTabs} from './plot_tabs.js';
+import {RedrawPace} from './redraw_pace.js';
+import {recall, remember} from './remembered.js';
+
+/** @typedef {import('./api.js').Api} Api */
+/** @typedef {import('./right_panel.js').Desk} Desk */
+
+const JOINTS = [1, 2, 3, 4, 5, 6];
+/** Least time between two looks, and between two moves of the live point, in [ms]. */
+const LEAST_MS = 500;
+
+/**
+ * @param {HTMLElement} root
+ * @param {Api} api
+ * @param {Desk} desk
+ */
+export function mount(root, api, desk) { new Lenses(root, api, desk); }
+
+class Lenses {
+  #api;
+  #root;
+  #lenses;
+  #lens;
+  #joint = JOINTS.find((joint) => String(joint) === recall('lens.joint')) ?? 1;
+  #tabs;
+  #bodies;
+  #scroll = element('div', {class: 'lens-scroller', tabindex: -1});
+  #name = element('span', {class: 'lens-lane'});
+  #status = element('span', {class: 'lens-status'});
+  #message = element('p', {class: 'lens-message', role: 'status'});
+  /** @type {HTMLButtonElement[]} */ #joints;
+  #seen = '';
+  /** @type {any} */ #look = null;
+  #busy = false;
+  #since = -Infinity;
+  #timer = 0;
+  #visible = false;
+  #pace = new RedrawPace(() => { if (this.#awake) this.#sliding.move(); });
+  #sliding;
+
+  /**
+   * @param {HTMLElement} root
+   * @param {Api} api
+   * @param {Desk} desk
+   */
+  constructor(root, api, desk) {
+    this.#api = api;
+    this.#root = root;
+    const trail = new LiveTrail(api);
+    this.#sliding = new SlidingLens({trail: (joint) => trail.of(joint)});
+    this.#lenses = [this.#sliding, new NetworkLens(), new ChatteringLens(api, desk)];
+    this.#lens = this.#lenses.find(({id}) => id === recall('lens')) ?? this.#lenses[0];
+    this.#bodies = this.#lenses.map(({element: cards}) => element('div', {class: 'lens-body'}, ...cards));
+    this.#tabs = new PlotTabs(this.#lenses, this.#scroll, (id) => this.#choose(id));
+    this.#tabs.element.setAttribute('aria-label', 'Lenses');
+    this.#tabs.element.className = 'lens-tabs';
+    for (const tab of this.#tabs.element.children) tab.className = 'lens-tab';
+    this.#joints = JOINTS.map((joint) => element('button', {
+      type: 'button', class: 'lens-choice', 'aria-label': `Joint ${joint}`,
+      title: `Joint ${joint} (key ${joint})`, on: {click: () => this.#chooseJoint(joint)},
+    }, String(joint)));
+    root.classList.add('lenses');
+    this.#scroll.append(this.#message, ...this.#bodies);
+    root.append(this.#tabs.element, this.#head(), this.#scroll);
+    this.#listen();
+    this.#choose(this.#lens.id);
+    this.#chooseJoint(this.#joint);
+  }
+
+  #head() {
+    return element(
+      'div', {class: 'lens-head'}, this.#name,
+      element('div', {class: 'lens-choices', role: 'group', 'aria-label': 'Joint'},
+        element('span', {class: 'lens-label', 'aria-hidden': 'true'}, 'joint'), ...this.#joints),
+      this.#status,
+    );
+  }
+
+  #listen() {
+    for (const type of ['hello', 'patch', 'select']) {
+      this.#api.addEventListener(type, () => { this.#nameLane(); this.#refresh(); });
+    }
+    this.#api.addEventListener('frame', () => {
+      if (this.#lens === this.#sliding && this.#awake) this.#pace.request({least: LEAST_MS});
+    });
+    this.#api.addEventListener('joint', (event) => {
+      if (this.#awake) this.#chooseJoint(/** @type {CustomEvent} */ (event).detail);
+    });
+    document.addEventListener('visibilitychange', () => this.#refresh());
+    new ResizeObserver(([{contentRect}]) => {
+      this.#visible = contentRect.width > 0 && contentRect.height > 0;
+      this.#refresh();
+    }).observe(this.#root);
+  }
+
+  /** Whether anybody can see it. */
+  get #awake() { return this.#visible && !document.hidden; }
+
+  /** @param {string} id */
+  #choose(id) {
+    this.#lens = this.#lenses.find((lens) => lens.id === id) ?? this.#lenses[0];
+    remember('lens', this.#lens.id);
+    this.#tabs.select(this.#lens.id);
+    this.#scroll.scrollTop = 0;
+    this.#nameLane();
+    this.#show();
+    this.#refresh();
+  }
+
+  /** @param {number} joint */
+  #chooseJoint(joint) {
+    this.#joint = joint;
+    remember('lens.joint', String(joint));
+    this.#joints.forEach((button, index) => {
+      button.setAttribute('aria-pressed', String(JOINTS[index] === joint));
+    });
+    this.#show();
+  }
+
+  #nameLane() {
+    const lane = this.#api.lanes.find(({name}) => name === this.#api.selected);
+    const dot = element('span', {class: 'plots-dot', 'aria-hidden': 'true'});
+    dot.style.setProperty('--lane', lane?.color ?? 'transparent');
+    this.#name.replaceChildren(dot, element('b', {}, lane?.name ?? ''));
+  }
+
+  // What is computed
+
+  /** Look anew if anything has changed that the response depends on, though not too often. */
+  #refresh() {
+    const {selected, connected, experiment} = this.#api;
+    if (!this.#awake || !connected || !selected || this.#busy || this.#timer) return;
+    const key = this.#key();
+    if (key === this.#seen || !(selected in (experiment.lanes ?? {}))) return;
+    const wait = this.#since + LEAST_MS - performance.now();
+    this.#timer = setTimeout(() => { this.#timer = 0; this.#fetch(); }, Math.max(wait, 0));
+  }
+
+  #key() {
+    const {experiment, selected} = this.#api;
+    return `${this.#lens.id} ${keyOf(experiment, selected)}`;
+  }
+
+  async #fetch() {
+    const {selected: lane} = this.#api;
+    const [key, {id}] = [this.#key(), this.#lens];
+    const gains = this.#api.experiment.lanes?.[lane] ?? {};
+    this.#busy = true;
+    this.#since = performance.now();
+    this.#root.classList.add('is-busy');
+    this.#status.textContent = 'computing …';
+    try {
+      const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
+      if (seen) this.#look = {id, lane, seen, gains};
+      this.#status.textContent = seen ? `whole response, rev ${seen.revision}` : '';
+      this.#show();
+    } catch (error) {
+      this.#look = null;
+      this.#status.textContent = '';
+      this.#say(/** @type {Error} */ (error).message);
+    }
+    // A refusal isn't asked for again until something changes.
+    this.#seen = key;
+    this.#busy = false;
+    this.#root.classList.remove('is-busy');
+    this.#refresh();
+  }
+
+  // What is shown
+
+  #show() {
+    const look = this.#look;
+    const fits = look?.id === this.#lens.id && look.lane === this.#api.selected;
+    if (!fits) {
+      this.#say(this.#api.connected ? 'Computing the whole response …' : 'Not connected.');
+      return;
+    }
+    const {lane, seen, gains} = look;
+    const color = this.#api.lanes.find(({name}) => name === lane)?.color ?? '#808080';
+    const nothing = this.#lens.show({
+      seen, lane, color, gains, joint: this.#joint, horizon: seen.horizon,
+    });
+    this.#say(nothing ?? '', seen.frozen && `The response ends early. ${seen.frozen.cause}`);
+  }
+
+  /**
+   * Show the pictures, or say why there are none.
+   *
+   * @param {string} nothing why there is nothing to see
+   * @param {string|null} [warning] above the pictures
+   */
+  #say(nothing, warning = null) {
+    const text = nothing || warning || '';
+    this.#message.hidden = !text;
+    this.#message.classList.toggle('is-warning', Boolean(warning));
+    if (this.#message.textContent !== text) this.#message.textContent = text;
+    this.#bodies.forEach((body, index) => {
+      body.hidden = Boolean(nothing) || this.#lenses[index] !== this.#lens;
+    });
+  }
+}

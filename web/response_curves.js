@@ -1,0 +1,153 @@
+// @ts-check
+/** The points of whole responses to draw: the current one of each lane over its baselines. */
+
+import {extent, wanted} from './y_range.js';
+
+/** @typedef {import('./preview_message.js').LaneResponse} LaneResponse */
+/** @typedef {import('./preview_message.js').Response} Response */
+/** @typedef {import('./response_views.js').ResponsePanel} ResponsePanel */
+/** @typedef {import('./panel_curves.js').Curve} Curve */
+/** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
+/** @typedef {import('./y_range.js').Range} Range */
+/** @typedef {{id: number, name: string, response: Response}} Pinned */
+/** @typedef {{lane: LaneResponse, curve: Curve}} Traced */
+/**
+ * `lanes`: those to show, of the live experiment and, where only a baseline has them, others.
+ * @typedef {{panels: ResponsePanel[], current: Response|null, pinned: Pinned[],
+ *   shows: (lane: string) => boolean, window: Range}} ResponseSheet
+ */
+
+const BASELINE_WIDTH = 1;
+/** Of several baselines the later are fainter. */
+const STRONGEST = 0.95;
+const FAINTER = 0.25;
+const FAINTEST = 0.4;
+const DASHES = '6px,4px';
+
+/**
+ * @param {ResponseSheet} sheet
+ * @param {import('./y_range.js').YRanges} ranges
+ * @returns {DrawnPanel[]}
+ */
+export function responsePanels(sheet, ranges) {
+  return sheet.panels.map((panel) => {
+    const {now, then} = tracesOf(sheet, panel);
+    // The current response lies over its baselines.
+    const traces = [...then, ...now];
+    const curves = traces.map(({curve}) => curve);
+    const range = ranges.linear(panel.id, dataRange(traces, sheet.window), panel);
+    for (const {cross} of curves) {
+      if (cross) cross.y = Math.min(Math.max(cross.y, range[0]), range[1]);
+    }
+    return {panel: {...panel, traces: []}, curves, range};
+  });
+}
+
+/**
+ * What every visible trace says at a moment.
+ *
+ * @param {ResponseSheet} sheet
+ * @param {number} time in [s]
+ * @returns {import('./cursors.js').Reading[]}
+ */
+export function responseReadings(sheet, time) {
+  return sheet.panels.flatMap((panel) => {
+    const {now, then} = tracesOf(sheet, panel);
+    return [...now, ...then].map(({lane, curve: {trace, y}}) => ({
+      lane: trace.lane, label: trace.look?.name ?? trace.lane,
+      panel: `${panel.title} ${panel.quantity}`, unit: panel.unit,
+      value: valueAt(lane.time, y, time),
+    }));
+  });
+}
+
+/**
+ * @param {ResponseSheet} sheet
+ * @param {ResponsePanel} panel
+ * @returns {{now: Traced[], then: Traced[]}} of the current response and of the baselines
+ */
+function tracesOf({current, pinned, shows}, panel) {
+  const drawn = (/** @type {Response} */ response, /** @type {(lane: string) => object} */ how) => (
+    [...response.lanes.values()].filter(({name}) => shows(name))
+      .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name))}))
+  );
+  const dash = pinned.length ? DASHES : 'solid';
+  return {
+    now: current ? drawn(current, (name) => ({role: 'actual', look: {name, dash}})) : [],
+    then: pinned.flatMap(({id, name, response}, index) => drawn(response, (lane) => ({
+      role: `baseline${id}`,
+      look: {
+        name: `${lane} · ${name}`, width: BASELINE_WIDTH,
+        opacity: Math.max(FAINTEST, STRONGEST - FAINTER * index),
+      },
+    }))),
+  };
+}
+
+/**
+ * @param {LaneResponse} lane
+ * @param {ResponsePanel} panel
+ * @param {object} how role and look
+ * @returns {Curve}
+ */
+function curveOf({name, time, columns, frozen}, {channel, scale}, how) {
+  const column = columns.get(channel) ?? new Float32Array(time.length).fill(NaN);
+  const y = scale === 1 ? column : column.map((value) => value * scale);
+  const cross = frozen && {x: frozen.time, y: lastFinite(y), text: frozen.cause};
+  const trace = /** @type {Curve['trace']} */ ({lane: name, ...how});
+  return {trace, x: time, y, cross: cross && Number.isFinite(cross.y) ? cross : null};
+}
+
+/** @param {ArrayLike<number>} values */
+function lastFinite(values) {
+  let last = values.length - 1;
+  while (last > 0 && !Number.isFinite(values[last])) last -= 1;
+  return values[last];
+}
+
+/**
+ * @param {Traced[]} traces
+ * @param {Range} window
+ * @returns {Range}
+ */
+function dataRange(traces, [from, to]) {
+  const seen = (/** @type {boolean} */ frozen) => traces
+    .filter(({lane}) => Boolean(lane.frozen) === frozen)
+    .map(({lane, curve}) => extent(
+      /** @type {Float32Array} */ (curve.y).subarray(
+        Math.max(0, rowAt(lane.time, from) - 1), rowAt(lane.time, to) + 1,
+      ),
+    ));
+  return wanted(seen(false), seen(true));
+}
+
+/**
+ * @param {ArrayLike<number>} times rising
+ * @param {number} time
+ * @returns {number} the first row at or after a time, or how many there are
+ */
+function rowAt(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/**
+ * @param {ArrayLike<number>} times rising
+ * @param {ArrayLike<number>} values
+ * @param {number} time
+ * @returns {number|null} on the line between two points, null where there is none
+ */
+export function valueAt(times, values, time) {
+  const right = rowAt(times, time);
+  if (right >= times.length || (right === 0 && times[0] > time)) return null;
+  const left = Math.max(0, right - 1);
+  const span = times[right] - times[left];
+  const share = span > 0 ? (time - times[left]) / span : 1;
+  const value = values[left] + share * (values[right] - values[left]);
+  return Number.isFinite(value) ? value : null;
+}

@@ -1,0 +1,41 @@
+// @ts-check
+/** Which channels of a whole response each of its tabs shows. */
+
+/**
+ * One of the stacked plots: a channel of every lane.
+ * @typedef {{id: string, title: string, quantity: string, unit: string, channel: string,
+ *   scale: number, positive?: boolean}} ResponsePanel
+ */
+/**
+ * @typedef {{id: string, title: string, joints: boolean,
+ *   panels: (joints: number[]) => ResponsePanel[]}} ResponseView
+ */
+
+const MILLIMETRES = 1000;
+
+/**
+ * @param {string} stem of the channel
+ * @param {string} quantity
+ * @param {string} unit
+ * @returns {(joints: number[]) => ResponsePanel[]}
+ */
+function perJoint(stem, quantity, unit) {
+  return (joints) => joints.map((joint) => ({
+    id: `${stem}${joint}`, title: `joint ${joint}`, quantity, unit, channel: `${stem}${joint}`,
+    scale: 1,
+  }));
+}
+
+/** @type {ResponseView[]} */
+export const RESPONSE_VIEWS = [
+  {id: 'error', title: 'Error', joints: true, panels: perJoint('e', 'e', 'rad')},
+  {id: 'torque', title: 'Torque', joints: true, panels: perJoint('tau', 'τ', 'N·m')},
+  {id: 'surface', title: 'Surface', joints: true, panels: perJoint('S', 'S', 'rad/s')},
+  {
+    id: 'flange-error', title: 'Flange error', joints: false,
+    panels: () => [{
+      id: 'flange-error', title: 'flange', quantity: 'error', unit: 'mm',
+      channel: 'flange_error', scale: MILLIMETRES, positive: true,
+    }],
+  },
+];

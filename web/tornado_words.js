@@ -1,0 +1,86 @@
+// @ts-check
+/** What the trials of a tornado chart come to, in numbers and in words. */
+
+import {figureText} from './study_metric.js';
+
+/** @typedef {import('./study_metric.js').StudyRow} StudyRow */
+/** @typedef {import('./study_metric.js').Metric} Metric */
+/** @typedef {{name: string, rows: StudyRow[], reach: number}} Knob */
+
+/** Less than this share of the figure is no effect. */
+export const LEAST = 5e-5;
+
+/**
+ * @param {StudyRow} row
+ * @returns {string} a name for a trial
+ */
+export function keyOf(row) { return `${row.name} ${row.factor}`; }
+
+/**
+ * @param {StudyRow[]} rows
+ * @param {Metric} metric
+ * @param {number|null} now the present figure
+ * @param {boolean} ranked whether the strongest comes first
+ * @returns {Knob[]}
+ */
+export function knobsOf(rows, metric, now, ranked) {
+  const knobs = Map.groupBy(rows.filter((row) => !row.present), ({name}) => name);
+  const found = [...knobs].map(([name, own]) => ({
+    name, rows: own, reach: Math.max(...own.map((row) => Math.abs(effectOf(row, metric, now)))),
+  }));
+  return ranked ? found.sort((a, b) => b.reach - a.reach) : found;
+}
+
+/**
+ * @param {StudyRow} row
+ * @param {Metric} metric
+ * @param {number|null} now
+ * @returns {number} change as a share of what is; infinite where the run comes to nothing
+ */
+export function effectOf(row, {id}, now) {
+  const figure = row[id];
+  if (figure === null) return Infinity;
+  return now ? figure / now - 1 : -Infinity;
+}
+
+/**
+ * @param {StudyRow} row
+ * @param {number} effect
+ * @returns {string} classes of a bar
+ */
+export function kindOf({state}, effect) {
+  if (state === 'diverged' || state === 'refused') return 'is-broken';
+  const chatters = state === 'chattering' ? ' is-chattering' : '';
+  return `${effect < 0 ? 'is-better' : 'is-worse'}${chatters}`;
+}
+
+/**
+ * @param {StudyRow} row
+ * @param {Metric} metric
+ * @param {number} effect
+ * @returns {string} such as `MAE −4.1 %`
+ */
+export function wordsOf(row, metric, effect) {
+  if (row.state === 'diverged') return 'diverges';
+  if (row.state === 'refused') return 'refused';
+  const figure = row[metric.id];
+  if (!Number.isFinite(effect)) return figure === null ? '' : figureText(metric, figure);
+  const percent = Math.abs(100 * effect);
+  const sign = effect < 0 ? '−' : '+';
+  const size = percent < 0.05 ? '±0' : `${sign}${percent.toFixed(percent < 10 ? 1 : 0)}`;
+  return `${metric.short} ${size} %${row.state === 'chattering' ? ', chatters' : ''}`;
+}
+
+/**
+ * @param {StudyRow|undefined} present
+ * @param {Metric} metric
+ * @param {string} lane
+ * @returns {string} how it stands before any knob is turned
+ */
+export function wordsOfNow(present, metric, lane) {
+  if (!present) return `Trying every gain of ${lane} 10 % down and up …`;
+  const figure = present[metric.id];
+  if (figure === null) return `${lane} diverges as it is. What 10 % of each gain would do:`;
+  return `${lane} as it is: ${metric.title} ${figureText(metric, figure)}. `
+    + 'What 10 % of each gain would do:';
+}
