@@ -80,26 +80,27 @@ def thinned(time: Array, columns: Array, buckets: int = BUCKETS) -> tuple[Array,
         buckets: how many pieces.
 
     Returns:
-        Time, shape (2 * buckets,), and values, shape (channels, 2 * buckets); all rows as they are
-        where there are no more than that.
+        Time, shape (2 * buckets + 2,), and values, shape (channels, 2 * buckets + 2): the first
+        row, each piece's extremes in the order in which they came, the last row; all rows as they
+        are where there are no more than that.
     """
     rows = len(time)
-    if rows <= 2 * buckets:
+    if rows <= 2 * buckets + 2:
         return time, columns.T.copy()
-    size = rows // buckets
-    first = rows - size * buckets
-    pieces = columns[first:].reshape(buckets, size, -1)
-    with np.errstate(invalid="ignore"):
-        low, high = pieces.argmin(axis=1), pieces.argmax(axis=1)
+    edges = np.linspace(0, rows, buckets + 1).astype(int)
+    starts, sizes = edges[:-1], np.diff(edges)
+    # Pieces of one row more than others: the shorter repeat their last.
+    within = np.minimum(np.arange(sizes.max()), sizes[:, None] - 1)
+    pieces = columns[starts[:, None] + within]
+    low, high = pieces.argmin(axis=1), pieces.argmax(axis=1)
     early, late = np.minimum(low, high), np.maximum(low, high)
-    values = np.empty((2 * buckets, columns.shape[1]))
-    values[0::2] = np.take_along_axis(pieces, early[:, None, :], axis=1)[:, 0]
-    values[1::2] = np.take_along_axis(pieces, late[:, None, :], axis=1)[:, 0]
-    values[0] = columns[0]
-    values[-1] = columns[-1]
-    starts = time[first:].reshape(buckets, size)
-    instants = np.column_stack([starts[:, 0], starts[:, size // 2]]).ravel()
-    instants[0], instants[-1] = time[0], time[-1]
+    values = np.empty((2 * buckets + 2, columns.shape[1]))
+    values[1:-1:2] = np.take_along_axis(pieces, early[:, None, :], axis=1)[:, 0]
+    values[2:-1:2] = np.take_along_axis(pieces, late[:, None, :], axis=1)[:, 0]
+    values[0], values[-1] = columns[0], columns[-1]
+    places = starts[:, None] + np.array([0.25, 0.75]) * (sizes[:, None] - 1)
+    period = (time[-1] - time[0]) / (rows - 1)
+    instants = np.concatenate([time[:1], time[0] + period * places.ravel(), time[-1:]])
     return instants, values.T.copy()
 
 

@@ -6,7 +6,7 @@ node's name stays in Viser's memory for ever.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from server.desired_path import DesiredPath
 from server.exaggeration import exaggerated_angles
 from server.ghost_mesh import ghost_mesh
 from server.gizmo import Gizmo
+from server.response_paths import ResponsePaths
 from server.scene_arm import GhostArm, SolidArm, joint_orientations
 from server.scene_frame import LaneStyle, SceneFrame, ShownLane
 from server.trails import TrailLine
@@ -27,7 +28,7 @@ __all__ = ["LaneStyle", "Scene", "SceneFrame"]
 
 Array = np.ndarray
 
-FROZEN = (156, 112, 112)
+FROZEN = (134, 90, 90)
 """Colour of an arm that has stopped (*ours*): grey with a tinge of red."""
 WIDTH_SELECTED = 5.0
 """Width of the selected lane's trail in [px] (*ours*)."""
@@ -62,6 +63,7 @@ class Scene:
         self.port = self._viewer.get_port()
         self._arm = SolidArm(self._viewer.scene, "/arm")
         self._desired = DesiredPath(self._viewer.scene, "/desired")
+        self._responses = ResponsePaths(self._viewer.scene, "/response")
         self._gizmo = Gizmo(self._viewer)
         self._label = self._viewer.scene.add_label(
             "/label",
@@ -110,6 +112,7 @@ class Scene:
         self._factor, self._ghosts = max(1.0, float(exaggeration)), ghosts
         exaggerated = self._factor > 1.0
         with self._viewer.atomic():
+            self._responses.show(not exaggerated)
             self._label.visible = exaggerated
             if exaggerated:
                 self._label.text = f"deviation \N{MULTIPLICATION SIGN} {self._factor:g}"
@@ -127,6 +130,16 @@ class Scene:
             with self._viewer.atomic():
                 self._paint()
                 self._draw(frame.q_d)
+
+    def show_responses(self, paths: Mapping[str, Array]) -> None:
+        """Draw where the flanges would go over the whole horizon; hidden while exaggerated.
+
+        Args:
+            paths: flange positions by lane in [m]; empty for none. Shapes (m, 3).
+        """
+        with self._viewer.atomic():
+            self._responses.draw(paths, self._styles)
+            self._responses.show(self._factor == 1.0)
 
     def clear_trails(self) -> None:
         """Forget where the flanges have been."""

@@ -74,6 +74,7 @@ class StageView:
     def restart(self) -> None:
         """Clear the trails."""
         self._blocks.clear()
+        self._responses = {}
         self._guarded(self.scene.clear_trails)
 
     def draw(self, loop: ClosedLoop) -> None:

@@ -43,6 +43,7 @@ JS_IMPORT = re.compile(
     r"""|^\s*import\s*["']([^"']+)["']|\bimport\(\s*([^)]*)\)""",
     re.MULTILINE,
 )
+JS_COMMENT = re.compile(r"/\*.*?\*/|^\s*//.*?$", re.DOTALL | re.MULTILINE)
 JS_NEIGHBOUR = re.compile(r"\./[a-z0-9_]+\.js")
 
 
@@ -84,8 +85,12 @@ def imports_of(package: str, roots: set[str]) -> list[str]:
     ]
 
 
+def code_of(script: Path) -> str:
+    return JS_COMMENT.sub("", script.read_text(encoding="utf-8"))
+
+
 def script_imports(script: Path) -> list[str]:
-    found = JS_IMPORT.finditer(script.read_text(encoding="utf-8"))
+    found = JS_IMPORT.finditer(code_of(script))
     return [match[1] or match[2] or match[3].strip("\"' ") for match in found]
 
 
@@ -137,7 +142,7 @@ def test_scripts_import_only_their_neighbours() -> None:
 
 
 def test_one_script_knows_the_addresses_of_the_server() -> None:
-    knowing = [short(path) for path in scripts() if "/api/" in path.read_text(encoding="utf-8")]
+    knowing = [short(path) for path in scripts() if "/api/" in code_of(path)]
     assert knowing == ["web/api.js"]
 
 

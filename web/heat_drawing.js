@@ -12,7 +12,7 @@ const HEIGHT = 9;
 const BAND = {top: 1, height: 6};
 /** From the best colour to the worst is this factor at least, and at most. */
 const LEAST_SPAN = 1.3;
-const GREATEST_SPAN = 10;
+const GREATEST_SPAN = 30;
 const TINY = 1e-12;
 /**
  * From good to bad: blue to amber, told apart by every eye. What is good stands out from the page

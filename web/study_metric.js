@@ -43,14 +43,19 @@ export class StudyMetric extends EventTarget {
 
   /** @returns {HTMLElement} a list to choose from */
   list() {
-    const select = element('select', {class: 'select', on: {change: () => {
-      this.chosen = METRICS[select.selectedIndex];
-      remember('study.metric', this.chosen.id);
-      this.dispatchEvent(new Event('change'));
-    }}}, ...METRICS.map(({id, title}) => element('option', {value: id}, title)));
+    const select = element('select', {
+      class: 'select study-metric', 'aria-label': 'Judge gains by',
+      title: 'The figure by which strips and bars judge a gain',
+      on: {change: () => this.#choose(METRICS[select.selectedIndex])},
+    }, ...METRICS.map(({id, title}) => element('option', {value: id}, `by ${title}`)));
     select.value = this.chosen.id;
-    return element('label', {
-      class: 'study-metric', title: 'The figure by which strips and bars judge a gain',
-    }, element('span', {}, 'Judge by'), select);
+    return select;
+  }
+
+  /** @param {Metric} metric */
+  #choose(metric) {
+    this.chosen = metric;
+    remember('study.metric', metric.id);
+    this.dispatchEvent(new Event('change'));
   }
 }

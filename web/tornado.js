@@ -24,6 +24,8 @@ export class Tornado {
   #title = freshId('tornado');
   #now = element('p', {class: 'tornado-now'});
   #progress = element('progress', {class: 'tornado-progress', 'aria-label': 'Runs done', hidden: true});
+  #sides = element('p', {class: 'tornado-sides', 'aria-hidden': 'true', hidden: true},
+    element('span', {}, 'better'), element('span', {}, 'worse'));
   #list = element('ol', {class: 'tornado-list'});
   #idle = element('p', {class: 'tornado-idle'});
   #stale = element('p', {class: 'tornado-stale', role: 'status'});
@@ -52,7 +54,7 @@ export class Tornado {
       class: 'tornado', hidden: true, 'aria-labelledby': this.#title,
     }, element('header', {class: 'tornado-head'},
       element('h3', {id: this.#title}, 'Which knob next?'), close),
-    this.#now, this.#progress, this.#alert, this.#list, this.#idle, this.#stale, this.#aloud);
+    this.#now, this.#progress, this.#alert, this.#sides, this.#list, this.#idle, this.#stale, this.#aloud);
     this.card.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape') return;
       event.preventDefault();
@@ -111,7 +113,12 @@ export class Tornado {
   #check() {
     if (this.card.hidden) return;
     if (this.#desk.api.selected !== this.#lane) { this.#start(); return; }
-    if (!this.#progress.hidden && this.#depends() !== this.#key) this.#run?.abort();
+    const fresh = this.#depends() === this.#key;
+    if (!this.#progress.hidden && !fresh) this.#run?.abort();
+    if (fresh && this.#taken.size) {
+      this.#taken.clear();
+      this.#draw();
+    }
     this.#showStale();
   }
 
@@ -142,6 +149,7 @@ export class Tornado {
     const strong = knobs.filter(({reach}) => reach > LEAST);
     const idle = knobs.filter(({reach}) => reach <= LEAST);
     const greatest = Math.max(...strong.map(({reach}) => reach).filter(Number.isFinite), 0.001);
+    this.#sides.hidden = !strong.length;
     const focused = document.activeElement?.getAttribute('data-trial');
     this.#list.replaceChildren(...strong.map((knob) => this.#item(knob, now, greatest)));
     const same = focused && this.#list.querySelector(`[data-trial="${focused}"]`);

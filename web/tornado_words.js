@@ -8,7 +8,7 @@ import {figureText} from './study_metric.js';
 /** @typedef {{name: string, rows: StudyRow[], reach: number}} Knob */
 
 /** Less than this share of the figure is no effect. */
-export const LEAST = 5e-5;
+export const LEAST = 5e-4;
 
 /**
  * @param {StudyRow} row

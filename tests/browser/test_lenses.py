@@ -178,9 +178,13 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     assert experiment(dashboard)["lanes"]["sign"]["switching"] == "sign"
     values = trace(page, "What smoothness costs", "curve")
     point = costs.locator(".lens-graph .scatterlayer .trace").first.locator(".point").last
+    point.scroll_into_view_if_needed()
     place = point.bounding_box()
     assert place is not None
-    page.mouse.click(place["x"] + place["width"] / 2, place["y"] + place["height"] / 2)
+    middle = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    page.mouse.move(*middle)
+    expect(costs.locator(".hoverlayer")).to_contain_text("click to set")
+    page.mouse.click(*middle)
     until(dashboard, "sign", "epsilon", 1.0)
     assert len(values["x"]) == 13
 

@@ -147,7 +147,7 @@ def test_columns_run_over_the_horizon_and_keep_every_peak(served: Served) -> Non
         for joint in range(6):
             whole = run.lanes[name].e[:, joint]
             thin = by_channel[f"e{joint + 1}"]
-            assert (thin.min(), thin.max()) == pytest.approx((whole.min(), whole.max()), rel=1e-6)
+            assert (thin.min(), thin.max()) == pytest.approx((whole.min(), whole.max()))
 
 
 def test_a_quick_run_is_within_a_fifth_of_a_milliradian(served: Served) -> None:
@@ -210,7 +210,7 @@ def test_a_newer_request_of_a_client_supersedes_its_older(
     older = asked(background, served, patch={**CALM, **SLOW}, client="one")
     wait_until_running(served)
     newer, _ = preview(served, patch=SHORT, client="one")
-    assert [lane["name"] for lane in newer["lanes"]] == list(served.studio.document.experiment.lanes)
+    assert newer["horizon"] == 1.0
     answer = older.result(WAIT)
     assert (answer.status_code, answer.content) == (204, b"")
 
