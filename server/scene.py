@@ -129,7 +129,7 @@ class Scene:
         if self._viewer.get_clients():
             with self._viewer.atomic():
                 self._paint()
-                self._draw(frame.q_d)
+                self._draw(frame.q_d, frame.past)
 
     def show_responses(self, paths: Mapping[str, Array]) -> None:
         """Draw where the flanges would go over the whole horizon; hidden while exaggerated.
@@ -181,7 +181,7 @@ class Scene:
                 self._arm.show(not lane.frozen)
                 self._arm.paint(color)
 
-    def _draw(self, q_d: Array) -> None:
+    def _draw(self, q_d: Array, past: bool) -> None:
         known = [(i, lane) for i, lane in enumerate(self._lanes.values()) if lane.q is not None]
         if not known:
             return
@@ -193,7 +193,7 @@ class Scene:
         for (i, lane), flange, orientations in zip(known, flanges, turned, strict=False):
             chosen = self._styles[i].name == self._selected
             lane.trail.stretch_to(self._factor)
-            self._slots[i].line.show(lane.trail, flange)
+            self._slots[i].line.show(lane.trail, lane.trail.points[-1] if past else flange)
             if chosen:
                 self._arm.pose(orientations)
                 self._gizmo.follow(flange)

@@ -36,6 +36,7 @@ class SceneFrame:
         desired_path: desired flange positions since the last frame in [m]. Shape (k, 3).
         paths: true flange positions of each lane since the last frame in [m]. Shapes (k, 3).
         period: time between the rows of the paths in [s].
+        past: whether it is a look back, so that the trails end elsewhere.
     """
 
     q_d: Array
@@ -44,6 +45,7 @@ class SceneFrame:
     desired_path: Array
     paths: Mapping[str, Array]
     period: float
+    past: bool = False
 
 
 class ShownLane:
@@ -62,6 +64,7 @@ class ShownLane:
         self.q_d: Array | None = None
         self.q: Array | None = None
         self.frozen = False
+        self._present: tuple[Array | None, Array | None] | None = None
 
     def take(self, name: str, frame: SceneFrame, factor: float) -> None:
         """Take what a frame says of the lane; a lane that has stopped stays as it was.
@@ -72,6 +75,11 @@ class ShownLane:
             factor: how many times its deviation is drawn.
         """
         self.frozen = name in frame.frozen
+        if frame.past:
+            self._look_back(frame.q_d, frame.q[name])
+            return
+        if self._present is not None:
+            (self.q_d, self.q), self._present = self._present, None
         if self.frozen and self.q is not None:
             return
         q_d, q = np.array(frame.q_d, dtype=float), np.array(frame.q[name], dtype=float)
@@ -89,3 +97,9 @@ class ShownLane:
         )
         self.trail.extend(stretch, factor)
         self.q_d, self.q = q_d, q
+
+    def _look_back(self, q_d: Array, q: Array) -> None:
+        """Stand elsewhere for a while; the way goes on from where it was left."""
+        if self._present is None:
+            self._present = self.q_d, self.q
+        self.q_d, self.q = np.array(q_d, dtype=float), np.array(q, dtype=float)

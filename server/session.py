@@ -47,7 +47,7 @@ class View(Protocol):
         """Take new rows of telemetry."""
 
     def restart(self) -> None:
-        """Forget the past: time is 0 again."""
+        """Forget the past: time has run back."""
 
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, if it is time."""
@@ -178,6 +178,8 @@ class Session:
             self.recorder.restore(self.loop, moment)
             self._pending = None
             self._swap(packed, revision, origins)
+            if self.view is not None:
+                self.view.restart()
             self._set_playing(True)
 
         self.ask(branch)

@@ -14,6 +14,8 @@ from robot.packed import Packed
 from robot.simulate import desired_motion
 from robot.workspace import QD, Q
 from server.colors import LaneColors
+from server.recorder import Moment
+from server.recorder import Moment
 from server.scene import LaneStyle, Scene, SceneFrame
 from server.telemetry import Channel
 
@@ -44,7 +46,8 @@ class StageView:
         self._shown: tuple[object, ...] = ()
         self._broken = False
         self._responses: dict[str, Array] | None = None
-        self._past: Mapping[str, Array] | None = None
+        self._past: Moment | None = None
+        self._present: float | None = None
 
     def force(self) -> Array | None:
         """Return the force by which somebody pulls at the flange in [N], or ``None``."""
@@ -67,9 +70,13 @@ class StageView:
         """Draw the flange's path of whole responses beside the live one, by lane."""
         self._responses = dict(paths)
 
-    def show_past(self, angles: Mapping[str, Array] | None) -> None:
-        """Show the lanes at past angles in [rad]; ``None``: at the present ones."""
-        self._past = angles
+    def show_past(self, moment: Moment | None) -> None:
+        """Show a past moment until time goes on; ``None``: the present.
+
+        The session pauses first: what it does until then is no reason to leave the past.
+        """
+        self._present = None
+        self._past = moment
 
     def restart(self) -> None:
         """Clear the trails."""
@@ -107,18 +114,33 @@ class StageView:
         if self._responses is not None:
             responses, self._responses = self._responses, None
             self.scene.show_responses(responses)
-        past: Mapping[str, Array] = self._past or {}
-        first = next(iter(lanes.values()))
+        moment = self._looked_at(loop)
+        q_d = next(iter(lanes.values())).work[QD]
+        if moment is not None:
+            q_d = desired_motion(loop.packed, np.array([moment.time]))[0][0]
+        angles = moment.angles() if moment is not None else {}
+        stops = moment.freezes if moment is not None else {}
         self.scene.update(
             SceneFrame(
-                q_d=first.work[QD].copy(),
-                q={name: past.get(name, lane.work[Q]).copy() for name, lane in lanes.items()},
-                frozen=frozenset(n for n, lane in lanes.items() if lane.freeze is not None),
+                q_d=q_d.copy(),
+                q={name: angles.get(name, lane.work[Q]).copy() for name, lane in lanes.items()},
+                frozen=frozenset(n for n, lane in lanes.items() if stops.get(n, lane.freeze)),
                 desired_path=path(""),
                 paths={name: path(name) for name in lanes},
                 period=self._period,
+                past=moment is not None,
             )
         )
+
+    def _looked_at(self, loop: ClosedLoop) -> Moment | None:
+        """Return the past moment to show; none once time has gone on."""
+        if self._past is None:
+            return None
+        if self._present is None:
+            self._present = loop.time
+        if loop.time != self._present:
+            self._past = None
+        return self._past
 
     def _configure(self, packed: Packed, lanes: list[str]) -> None:
         if self.selected not in lanes:

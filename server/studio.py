@@ -59,6 +59,7 @@ class Studio:
 
     def start(self) -> None:
         """Let time go on, and start the workers."""
+        self.view.draw(self.session.loop)  # the first picture is slow: not on the session's time
         self.session.start()
         self.workers.start()
 

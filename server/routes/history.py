@@ -68,7 +68,7 @@ def history_router(studio: Studio) -> APIRouter:
             return {"time": None}
         studio.session.pause()
         moment = studio.session.recorder.at(wanted.time)
-        studio.view.show_past(moment.angles() if moment is not None else None)
+        studio.view.show_past(moment)
         return {"time": None if moment is None else moment.time}
 
     @router.post("/session/fork", response_model=ExperimentAnswer, responses=REFUSED)
