@@ -13,7 +13,7 @@ BUSY = 0.7
 WINDOW = 1.0
 """Wall time over which the real-time factor is measured in [s] (*ours*)."""
 LONGEST = 0.25
-"""Longest gap between two ticks that is caught up in [s]; a suspended process isn't (*ours*)."""
+"""Most wall time that is caught up after a shortage in [s]; a suspended process isn't (*ours*)."""
 
 
 class Pacer:
@@ -65,12 +65,11 @@ class Pacer:
     def end(self, period: float) -> None:
         """End a tick: drop what couldn't be stepped and measure."""
         now = self._clock()
-        if self._budget >= period:
-            # One tick's worth may wait for the next; more is a debt that would never be paid.
-            allowed = max(period, TICK * self.speed)
-            if self._budget > allowed:
-                self._budget = allowed
-                self._capped_at = now
+        # A short shortage is made up for in the next ticks; more is a debt that is never paid.
+        allowed = max(period, LONGEST * self.speed)
+        if self._budget > allowed:
+            self._budget = allowed
+            self._capped_at = now
         self.capped = now - self._capped_at < WINDOW
         self._marks.append((now, self._simulated))
         while len(self._marks) > 2 and now - self._marks[0][0] > WINDOW:

@@ -254,7 +254,7 @@ export class Api extends EventTarget {
   /**
    * Run every lane over its horizon. Of two at once the server gives up the older.
    *
-   * @param {{experiment?: Document, quick?: boolean, show?: boolean}} body
+   * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
    * @param {AbortSignal} [signal]
    * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
    */

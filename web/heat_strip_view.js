@@ -13,6 +13,8 @@ import {figureText} from './study_metric.js';
 
 /** Positions along a track. */
 export const COUNT = 20;
+/** Figures that differ by less than this factor are alike. */
+const LEAST_SPREAD = 1.01;
 
 /** One strip on the screen. */
 export class Strip {
@@ -83,7 +85,8 @@ export class Strip {
     const {slider, rows, field} = this;
     const track = this.#track;
     const metric = this.#metric.chosen;
-    const best = rows.length === COUNT ? bestOf(rows, metric) : undefined;
+    const ended = rows.length === COUNT;
+    const best = ended && this.#matters ? bestOf(rows, metric) : undefined;
     const left = `${slider.offsetLeft}px`;
     this.#canvas.style.left = left;
     this.#bar.style.left = left;
@@ -94,8 +97,16 @@ export class Strip {
       best: best ? {row: best, place: placeOf(best.value, field, track)} : null,
       width: track.width,
     });
-    if (best) this.#aloud.textContent = this.#summary();
+    if (ended) this.#aloud.textContent = this.#summary();
     this.tell();
+  }
+
+  /** Whether the figure is another one at another position. */
+  get #matters() {
+    const {id} = this.#metric.chosen;
+    const figures = this.rows.flatMap((row) => row[id] ?? []);
+    const least = Math.max(Math.min(...figures), Number.MIN_VALUE);
+    return figures.length < this.rows.length || Math.max(...figures) / least > LEAST_SPREAD;
   }
 
   /**
@@ -149,10 +160,8 @@ export class Strip {
     const metric = this.#metric.chosen;
     const best = bestOf(this.rows, metric);
     if (!best) return `no value of ${this.#name} holds`;
-    const figures = this.rows.flatMap((row) => row[metric.id] ?? []);
-    const flatness = Math.max(...figures) / Math.max(Math.min(...figures), Number.MIN_VALUE);
     const figure = figureText(metric, /** @type {number} */ (best[metric.id]));
-    if (figures.length === COUNT && flatness < 1.01) return `makes no difference: ${figure}`;
+    if (!this.#matters) return `makes no difference: ${figure}`;
     return `best near ${rounded(best.value, '')}: ${figure}`;
   }
 }

@@ -6,6 +6,7 @@ import {download, image, spectrumTable, timeTable} from './download.js';
 import {element} from './element.js';
 import {ALL_JOINTS} from './joint_toggles.js';
 import {liveReadings} from './live_readings.js';
+import {LookLine} from './look_line.js';
 import {spectrumPanels, timePanels} from './panel_curves.js';
 import {Canvas} from './plot_canvas.js';
 import {PlotLegend} from './plot_legend.js';
@@ -59,8 +60,12 @@ class Plots {
     this.canvas = new Canvas(stage, () => this.#sheet(), {
       zoom: (report) => this.#zoomed(report),
       live: () => this.#follow(),
-      drawn: (axis) => this.cursors.place(axis),
+      drawn: (axis) => {
+        this.cursors.place(axis);
+        this.looked.place(axis);
+      },
     });
+    this.looked = new LookLine(stage, api, (time) => this.#look(time));
     this.cursors = new Cursors(stage, api, {
       read: (time) => liveReadings(this.#ring, this.#panels(), this.#freezes, time),
       changed: () => this.#show(),
@@ -190,6 +195,20 @@ class Plots {
   /** @param {{shift?: number, factor?: number}} change */
   #hold(change) {
     this.#window.move(this.#ring, change);
+    this.#show();
+  }
+
+  /**
+   * Bring a past moment that the 3D scene shows into sight.
+   *
+   * @param {number|null} time in [s]; null: the present
+   */
+  #look(time) {
+    if (time === null) { this.#follow(); return; }
+    const [from, to] = this.#window.range(this.#ring);
+    if (time >= from && time <= to) return;
+    const half = (to - from) / 2;
+    this.#window.hold([time - half, time + half]);
     this.#show();
   }
 

@@ -28,8 +28,13 @@ export class Preview extends EventTarget {
   /** @type {Response|null} */ latest = null;
   /** Why the last run gave nothing, or ''. */
   failure = '';
-  /** Whether the 3D scene shows the flanges' paths of the whole response. */
-  scene = false;
+  /**
+   * Whether the 3D scene shows the flanges' paths of the whole response; null where this page
+   * leaves them as they are.
+   *
+   * @type {boolean|null}
+   */
+  scene = null;
 
   #api;
   /** @type {Set<string>} */ #reasons = new Set();
@@ -38,6 +43,7 @@ export class Preview extends EventTarget {
   /** @type {Other[]} */ #others = [];
   /** @type {Map<number, Document>} */ #documents = new Map();
   #retried = false;
+  /** @type {number|null} */ #epoch = null;
   /** @type {ReturnType<typeof setTimeout>|undefined} */ #rest;
 
   /** @param {Api} api */
@@ -49,6 +55,7 @@ export class Preview extends EventTarget {
       this.#note();
       this.#want(api.moving ? 'quick' : 'exact');
     });
+    api.addEventListener('state', () => this.#restarted());
     api.addEventListener('moving', () => { if (!api.moving && !this.current) this.#want('exact'); });
     if (api.connected) this.#note();
   }
@@ -107,6 +114,13 @@ export class Preview extends EventTarget {
     this.#documents.delete(/** @type {number} */ (this.#documents.keys().next().value));
   }
 
+  /** A reset takes the paths out of the scene. */
+  #restarted() {
+    const epoch = this.#api.session?.epoch ?? null;
+    if (this.scene && this.#epoch !== null && epoch !== this.#epoch) this.#want('exact');
+    this.#epoch = epoch;
+  }
+
   /** @param {Precision} precision */
   #want(precision) {
     clearTimeout(this.#rest);
@@ -140,6 +154,8 @@ export class Preview extends EventTarget {
     try {
       const response = await this.#run(precision, {quick: precision === 'quick', show: this.scene});
       if (response) this.#take(response);
+      // Said once: another screen may want its paths to be seen.
+      if (response && this.scene === false) this.scene = null;
     } catch (error) {
       this.#failed(/** @type {import('./api.js').ApiError} */ (error), precision);
     }
@@ -164,7 +180,7 @@ export class Preview extends EventTarget {
 
   /**
    * @param {Precision|'other'} kind
-   * @param {{experiment?: Document, quick: boolean, show?: boolean}} body
+   * @param {{experiment?: Document, quick: boolean, show?: boolean|null}} body
    * @returns {Promise<Response|null>} null when it was given up
    * @throws {import('./api.js').ApiError}
    */

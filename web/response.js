@@ -128,7 +128,7 @@ class ResponseScreen {
     });
     new ResizeObserver(() => this.#looked()).observe(this.#root);
     document.addEventListener('visibilitychange', () => this.#looked());
-    this.#pathsInScene(recall('response.scene') === '1');
+    if (recall('response.scene') === '1') this.#pathsInScene(true);
   }
 
   // Who looks
@@ -156,11 +156,11 @@ class ResponseScreen {
 
   /** @param {boolean} on */
   #pathsInScene(on) {
-    const before = this.#preview.scene;
     remember('response.scene', on ? '1' : null);
     this.#preview.scene = on;
     this.#preview.needed('scene', on);
-    if (on && !before) this.#preview.again();
+    // Also to take them away again: the switch is only pressed where this view is seen.
+    this.#preview.again();
   }
 
   /** @param {string} id */

@@ -61,7 +61,7 @@ export class ResponseHead {
     this.#status.setAttribute('aria-busy', String(latest?.quick ?? false));
     if (this.#status.textContent !== text) this.#status.textContent = text;
     this.#status.title = latest?.quick ? QUICK : EXACT;
-    this.#status.dataset.revision = String(latest?.revision ?? '');
+    this.#status.dataset.response = String(latest?.revision ?? '');
     this.#status.dataset.run = latest ? (latest.quick ? 'quick' : 'exact') : '';
     this.#explain(failure);
   }

@@ -52,7 +52,7 @@ class Scrub {
     const id = freshId('scrub');
     this.#toggle = element('button', {
       class: 'button', type: 'button', title: 'Look back over the last minute',
-      'aria-expanded': 'false', 'aria-controls': id,
+      'aria-label': 'Past', 'aria-expanded': 'false', 'aria-controls': id,
       on: {click: () => (this.#row.hidden ? this.#open() : this.#close())},
     }, icon('rewind'), element('span', {}, 'Past'));
     this.#range = element('input', {

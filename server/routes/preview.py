@@ -25,14 +25,19 @@ class PreviewRequest(Strict):
     """Which response is wanted."""
 
     patch: dict[str, Any] = Field(
-        {}, description="Merge patch to the live experiment.", examples=[{"lanes": {"NFTSM": {"nu": 30}}}]
+        {},
+        description="Merge patch to the live experiment.",
+        examples=[{"lanes": {"NFTSM": {"nu": 30}}}],
     )
     experiment: dict[str, Any] | None = Field(
         None, description="Another experiment than the live one, whole."
     )
     quick: bool = Field(False, description="2 ms steps, as while a slider is being dragged.")
     client: str = Field("", max_length=80, description="A newer request of it cancels the older.")
-    show: bool = Field(False, description="Whether to draw the flange's paths in the 3D scene.")
+    show: bool | None = Field(
+        None,
+        description="Draw the flanges' paths in the 3D scene, or take them away; null leaves them.",
+    )
 
 
 def preview_router(studio: Studio) -> APIRouter:
@@ -52,9 +57,11 @@ def preview_router(studio: Studio) -> APIRouter:
         responses = await until_gone(request, work)
         if responses is None:
             return Response(status_code=204)
-        if wanted.show:
-            studio.view.show_responses({name: r.path for name, r in responses.items()})
-        head = {"revision": revision, "quick": wanted.quick, "horizon": experiment.simulation.horizon}
+        if wanted.show is not None:
+            shown = responses if wanted.show else {}
+            studio.view.show_responses({name: r.path for name, r in shown.items()})
+        horizon = experiment.simulation.horizon
+        head = {"revision": revision, "quick": wanted.quick, "horizon": horizon}
         return Response(encode_responses(head, responses), media_type=BINARY)
 
     return router

@@ -18,6 +18,7 @@ from robot.laws import LAWS
 from robot.lenses import LENSES, chattering, look_through, network_view, sliding_mode
 from robot.lenses.probe import Probe
 from robot.lenses.screen import document, evenly_along, rounded
+from robot.metrics import torque_spectrum
 from robot.packed import Packed, pack
 from robot.simulate import LaneRun, simulate
 from robot.workspace import NODES
@@ -300,10 +301,12 @@ def test_sign_switches_and_spreads_to_high_frequencies_and_tanh_does_not(restles
 def test_a_sine_of_torque_stands_at_its_frequency_with_its_power(restless: Any) -> None:
     packed, run = restless
     torque = np.zeros_like(run.tau)
-    torque[:, 2] = 3.0 * np.sin(2.0 * np.pi * 120.0 * run.time)
+    torque[:, 2] = 3.0 * np.sin(2.0 * np.pi * 333.0 * run.time)
     view = chattering.look(packed, LANE, replace(run, tau=torque))
     peak = view.frequency[np.argmax(view.joints[2].density)]
-    assert peak == pytest.approx(120.0, rel=0.05)
+    assert peak == pytest.approx(333.0, rel=0.03)
+    _, power = torque_spectrum(torque, 0.001) or (None, np.zeros((1, 6)))
+    assert view.joints[2].density.max() == pytest.approx(np.sqrt(power.max()))
     assert view.joints[2].above == pytest.approx(3.0 / np.sqrt(2.0), rel=1e-2)
     assert view.joints[0].above == pytest.approx(0.0, abs=1e-9)
 

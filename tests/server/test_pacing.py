@@ -57,7 +57,17 @@ def test_debt_is_dropped_not_caught_up() -> None:
     pacer = Pacer(clock)
     run(pacer, clock, 100, cost=4 * STEP)
     quick = run(pacer, clock, 10)
-    assert quick <= (10 + 2) * TICK / STEP
+    assert quick <= (12 * TICK + LONGEST) / STEP
+
+
+def test_a_short_shortage_is_made_up_for() -> None:
+    clock = Clock()
+    pacer = Pacer(clock)
+    run(pacer, clock, 100)
+    clock.now += 0.1
+    run(pacer, clock, 50)
+    assert not pacer.capped
+    assert pacer.real_time_factor == pytest.approx(1.0, abs=0.03)
 
 
 def test_a_suspended_process_makes_no_burst() -> None:
