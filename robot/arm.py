@@ -30,7 +30,9 @@ def _described_model() -> pin.Model:
 def _scaled(model: pin.Model, scale: float) -> None:
     for j in range(1, model.njoints):
         inertia = model.inertias[j]
-        model.inertias[j] = pin.Inertia(scale * inertia.mass, inertia.lever, scale * inertia.inertia)
+        model.inertias[j] = pin.Inertia(
+            scale * inertia.mass, inertia.lever, scale * inertia.inertia
+        )
 
 
 def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pin.Model:

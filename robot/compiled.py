@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -19,12 +20,15 @@ import platformdirs
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+KEPT = 6
+"""Versions whose compiled kernels are kept, about 3 MB each (*ours*)."""
 _CONSTANTS = ("quantity.py", "workspace.py", "compiled.py")
 """Files without kernels whose numbers are compiled into them."""
 
 
 def _digest() -> str:
-    digest = hashlib.sha256(numba.__version__.encode())
+    # The place counts too: numba keeps what it compiled by the path of the source.
+    digest = hashlib.sha256(f"{numba.__version__} {Path(__file__)}".encode())
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         content = path.read_bytes()
         if b"@kernel" in content or path.name in _CONSTANTS:
@@ -32,6 +36,12 @@ def _digest() -> str:
     return digest.hexdigest()[:16]
 
 
+def _forget_old(cache: Path) -> None:
+    """Remove what other versions compiled, but for the last few: several may be in use."""
+    cache.touch()
+    others = sorted(cache.parent.iterdir(), key=lambda path: path.stat().st_mtime)
+    for old in others[:-KEPT]:
+        shutil.rmtree(old, ignore_errors=True)
 
 
 def _folder() -> Path:
@@ -39,6 +49,7 @@ def _folder() -> Path:
     cache = Path(platformdirs.user_cache_dir("slidetune")) / "kernels" / name
     try:
         cache.mkdir(parents=True, exist_ok=True)
+        _forget_old(cache)
     except OSError:  # a read-only home: compile into a folder that lives until the next restart
         cache = Path(tempfile.gettempdir()) / f"slidetune-{os.getuid()}" / name
         cache.mkdir(parents=True, exist_ok=True)
@@ -47,6 +58,8 @@ def _folder() -> Path:
 
 CACHE = _folder()
 """Folder of the compiled kernels of this very version."""
+
+_WARM = CACHE / "warm"
 
 numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
 
@@ -58,5 +71,10 @@ def kernel(function: Function) -> Function:
 
 
 def is_warm() -> bool:
-    """Tell whether some kernels of this version are compiled already."""
-    return any(CACHE.rglob("*.nbc"))
+    """Tell whether all kernels of this version have been compiled once."""
+    return _WARM.exists()
+
+
+def mark_warm() -> None:
+    """Remember that all kernels have been compiled."""
+    _WARM.touch()

@@ -35,15 +35,33 @@ class SineTorque(Section):
     """A torque that swings."""
 
     amplitude: PerJoint = field(
-        0.0, title="Amplitude", symbol="F̃", unit="N·m", low=-200.0, high=200.0, step=0.5,
+        0.0,
+        title="Amplitude",
+        symbol="F̃",
+        unit="N·m",
+        low=-200.0,
+        high=200.0,
+        step=0.5,
         meaning="Greatest torque of the swing.",
     )
     frequency: Number = field(
-        1.0, title="Frequency", symbol="f", unit="Hz", low=0.01, high=100.0, step=0.01,
-        scale="log", meaning="Swings a second.",
+        1.0,
+        title="Frequency",
+        symbol="f",
+        unit="Hz",
+        low=0.01,
+        high=100.0,
+        step=0.01,
+        scale="log",
+        meaning="Swings a second.",
     )
     phase: Number = field(
-        0.0, title="Phase", unit="rad", low=-3.1416, high=3.1416, step=0.01,
+        0.0,
+        title="Phase",
+        unit="rad",
+        low=-3.1416,
+        high=3.1416,
+        step=0.01,
         meaning="Where the swing begins.",
     )
 
@@ -52,18 +70,35 @@ class PulseTorque(Section):
     """A torque that comes and goes."""
 
     amplitude: PerJoint = field(
-        0.0, title="Height", symbol="F̂", unit="N·m", low=-200.0, high=200.0, step=0.5,
+        0.0,
+        title="Height",
+        symbol="F̂",
+        unit="N·m",
+        low=-200.0,
+        high=200.0,
+        step=0.5,
         meaning="Torque while the pulse lasts.",
     )
     start: Number = field(
-        3.0, title="Start", unit="s", low=0.0, high=60.0, step=0.1, meaning="When it first comes.",
+        3.0, title="Start", unit="s", low=0.0, high=60.0, step=0.1, meaning="When it first comes."
     )
     duration: Number = field(
-        0.5, title="Duration", unit="s", low=0.001, high=60.0, step=0.01, scale="log",
+        0.5,
+        title="Duration",
+        unit="s",
+        low=0.001,
+        high=60.0,
+        step=0.01,
+        scale="log",
         meaning="How long it lasts.",
     )
     period: Number = field(
-        0.0, title="Period", unit="s", low=0.0, high=60.0, step=0.1,
+        0.0,
+        title="Period",
+        unit="s",
+        low=0.0,
+        high=60.0,
+        step=0.1,
         meaning="Time from one pulse to the next; 0 for a single one.",
     )
 
@@ -72,11 +107,23 @@ class NoiseTorque(Section):
     """A random torque within a band of frequencies."""
 
     amplitude: PerJoint = field(
-        0.0, title="Effective value", symbol="F̄", unit="N·m", low=0.0, high=100.0, step=0.1,
+        0.0,
+        title="Effective value",
+        symbol="F̄",
+        unit="N·m",
+        low=0.0,
+        high=100.0,
+        step=0.1,
         meaning="Root mean square of the torque.",
     )
     bandwidth: Number = field(
-        10.0, title="Bandwidth", unit="Hz", low=0.1, high=200.0, step=0.1, scale="log",
+        10.0,
+        title="Bandwidth",
+        unit="Hz",
+        low=0.1,
+        high=200.0,
+        step=0.1,
+        scale="log",
         meaning="Highest frequency that it holds.",
     )
 
@@ -85,12 +132,24 @@ class SensorNoise(Section):
     """White noise on what the controller measures, in sampled mode."""
 
     position: Number = field(
-        0.0, title="Angle noise", unit="rad", low=0.0, high=0.01, step=0.00001, applies="sampled",
+        0.0,
+        title="Angle noise",
+        unit="rad",
+        low=0.0,
+        high=0.01,
+        step=0.00001,
+        applies="sampled",
         meaning="Standard deviation of every angle sample.",
     )
     velocity: Number = field(
-        0.0, title="Velocity noise", unit="rad/s", low=0.0, high=0.5, step=0.0001,
-        applies="sampled", meaning="Standard deviation of every velocity sample.",
+        0.0,
+        title="Velocity noise",
+        unit="rad/s",
+        low=0.0,
+        high=0.5,
+        step=0.0001,
+        applies="sampled",
+        meaning="Standard deviation of every velocity sample.",
     )
 
 
@@ -98,28 +157,42 @@ class Disturbance(Section):
     """All that the controller is not told."""
 
     constant: PerJoint = field(
-        0.0, title="Constant torque", symbol="F", unit="N·m", low=-200.0, high=200.0, step=0.5,
-        equation="Eq. 1", source="inferred", meaning="Torque that the joints always lose.",
+        0.0,
+        title="Constant torque",
+        symbol="F",
+        unit="N·m",
+        low=-200.0,
+        high=200.0,
+        step=0.5,
+        equation="Eq. 1",
+        source="inferred",
+        meaning="Torque that the joints always lose.",
     )
     sine: SineTorque = SineTorque()
     pulse: PulseTorque = PulseTorque()
     noise: NoiseTorque = NoiseTorque()
     nominal_mismatch: Number = field(
-        1.0, title="Nominal model", symbol="M̂/M", low=0.1, high=3.0, step=0.01,
+        1.0,
+        title="Nominal model",
+        symbol="M̂/M",
+        low=0.1,
+        high=3.0,
+        step=0.01,
         meaning="Inertials that a model-based law believes in, as a multiple of the true ones.",
     )
     sensor_noise: SensorNoise = SensorNoise()
     seed: Integer = field(
-        1, title="Seed", low=0, high=2**31 - 1, step=1,
+        1,
+        title="Seed",
+        low=0,
+        high=2**31 - 1,
+        step=1,
         meaning="Same seed, same noise: runs can be repeated to the last bit.",
     )
 
 
 def pack_world(
-    disturbance: Disturbance,
-    viscous: PerJoint,
-    coulomb: PerJoint,
-    torque_limit: PerJoint | None,
+    disturbance: Disturbance, viscous: PerJoint, coulomb: PerJoint, torque_limit: PerJoint | None
 ) -> Array:
     """Return disturbance, friction and limits as numbers.
 

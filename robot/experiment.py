@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from robot.disturbance import Disturbance
+from robot.errors import InvalidExperimentError
 from robot.laws import LAWS
 from robot.merge_patch import merge_patch
 from robot.quantity import Integer, Number, PerJoint, PerJointOrOff, Point, Section, field, refusal
 from robot.refusal import field_errors
-from robot.errors import InvalidExperimentError
 from robot.trajectory import SineTrajectory, Trajectory
 
 FORMAT = 1
@@ -46,15 +46,27 @@ class Payload(Section):
     """What the flange carries."""
 
     mass: Number = field(
-        0.0, title="Mass", symbol="m", unit="kg", low=0.0, high=10.0, step=0.1,
+        0.0,
+        title="Mass",
+        symbol="m",
+        unit="kg",
+        low=0.0,
+        high=10.0,
+        step=0.1,
         meaning="Mass at the flange; the arm is rated for 5 kg.",
     )
     center: Point = field(
-        (0.0, 0.0, 0.05), title="Centre of mass", unit="m", low=-0.3, high=0.3, step=0.005,
+        (0.0, 0.0, 0.05),
+        title="Centre of mass",
+        unit="m",
+        low=-0.3,
+        high=0.3,
+        step=0.005,
         meaning="Where the mass sits, in the flange's frame (z points out of it).",
     )
     known: bool = field(
-        False, title="Known to the controller",
+        False,
+        title="Known to the controller",
         meaning="Whether the model of a model-based law includes the payload.",
     )
 
@@ -63,32 +75,63 @@ class Robot(Section):
     """The arm."""
 
     model: Literal["jaka_zu5"] = field(
-        "jaka_zu5", title="Arm", source="published", meaning="JAKA Zu 5, six joints, 5 kg, 954 mm.",
+        "jaka_zu5", title="Arm", source="published", meaning="JAKA Zu 5, six joints, 5 kg, 954 mm."
     )
     inertials: Literal["vendor", "datasheet"] = field(
-        "vendor", title="Inertials", source="vendor",
+        "vendor",
+        title="Inertials",
+        source="vendor",
         meaning="vendor: the manufacturer's description, solid steel, 96.4 kg, behind the paper's "
         "figures; datasheet: scaled to the arm's real 23 kg.",
     )
     inertia_scale: Number = field(
-        1.0, title="Inertia scale", low=0.1, high=3.0, step=0.01,
+        1.0,
+        title="Inertia scale",
+        low=0.1,
+        high=3.0,
+        step=0.01,
         meaning="Multiplies every mass and inertia of the true arm and of the nominal one.",
     )
     armature: PerJoint = field(
-        0.0, title="Reflected rotor inertia", symbol="A", unit="kg·m²", low=0.0, high=5.0,
-        step=0.01, meaning="Inertia of the motors seen through the gears; the paper has none.",
+        0.0,
+        title="Reflected rotor inertia",
+        symbol="A",
+        unit="kg·m²",
+        low=0.0,
+        high=5.0,
+        step=0.01,
+        meaning="Inertia of the motors seen through the gears; the paper has none.",
     )
     viscous_friction: PerJoint = field(
-        0.0, title="Viscous friction", symbol="d", unit="N·m·s/rad", low=0.0, high=50.0, step=0.1,
+        0.0,
+        title="Viscous friction",
+        symbol="d",
+        unit="N·m·s/rad",
+        low=0.0,
+        high=50.0,
+        step=0.1,
         meaning="Torque lost per unit of velocity; no controller knows of it.",
     )
     coulomb_friction: PerJoint = field(
-        0.0, title="Coulomb friction", symbol="f_C", unit="N·m", low=0.0, high=50.0, step=0.1,
+        0.0,
+        title="Coulomb friction",
+        symbol="f_C",
+        unit="N·m",
+        low=0.0,
+        high=50.0,
+        step=0.1,
         meaning="Torque lost to any motion, smoothed by tanh(v/0.02); no controller knows of it.",
     )
     torque_limit: PerJointOrOff = field(
-        None, title="Torque limit", symbol="τ_max", unit="N·m", low=1.0, high=5000.0, step=1.0,
-        scale="log", meaning="Greatest torque of a joint; off as in the paper.",
+        None,
+        title="Torque limit",
+        symbol="τ_max",
+        unit="N·m",
+        low=1.0,
+        high=5000.0,
+        step=1.0,
+        scale="log",
+        meaning="Greatest torque of a joint; off as in the paper.",
     )
     payload: Payload = Payload()
 
@@ -97,41 +140,85 @@ class Simulation(Section):
     """How the closed loop is computed."""
 
     mode: Literal["continuous", "sampled"] = field(
-        "continuous", title="Mode", source="published",
+        "continuous",
+        title="Mode",
+        source="published",
         meaning="continuous: the controller is part of the differential equation, as in the paper; "
         "sampled: it runs at its own rate and holds its torque, as on a real arm.",
     )
     step: Number = field(
-        0.001, title="Step", symbol="h", unit="s", low=0.00005, high=0.005, step=0.0001,
-        scale="log", applies="continuous", meaning="Step of the integration.",
+        0.001,
+        title="Step",
+        symbol="h",
+        unit="s",
+        low=0.00005,
+        high=0.005,
+        step=0.0001,
+        scale="log",
+        applies="continuous",
+        meaning="Step of the integration.",
     )
     scheme: Literal["extrapolated", "plain"] = field(
-        "extrapolated", title="Scheme", applies="continuous",
+        "extrapolated",
+        title="Scheme",
+        applies="continuous",
         meaning="extrapolated: two half steps against a whole one, a hundred times as exact; "
         "plain: one linearly implicit step, faster.",
     )
     control_rate: Number = field(
-        1000.0, title="Control rate", unit="Hz", low=50.0, high=10000.0, step=10.0, scale="log",
-        applies="sampled", meaning="How often the controller measures and sets a torque.",
+        1000.0,
+        title="Control rate",
+        unit="Hz",
+        low=50.0,
+        high=10000.0,
+        step=10.0,
+        scale="log",
+        applies="sampled",
+        meaning="How often the controller measures and sets a torque.",
     )
     plant_substeps: Integer = field(
-        10, title="Steps of the arm", low=1, high=200, step=1, applies="sampled",
+        10,
+        title="Steps of the arm",
+        low=1,
+        high=200,
+        step=1,
+        applies="sampled",
         meaning="Steps of the arm within one control period.",
     )
     input_delay: Number = field(
-        0.0, title="Input delay", unit="s", low=0.0, high=0.05, step=0.0001, applies="sampled",
+        0.0,
+        title="Input delay",
+        unit="s",
+        low=0.0,
+        high=0.05,
+        step=0.0001,
+        applies="sampled",
         meaning="Time from a measurement to its torque at the joint.",
     )
     horizon: Number = field(
-        10.0, title="Horizon", unit="s", low=0.1, high=120.0, step=0.5, source="published",
+        10.0,
+        title="Horizon",
+        unit="s",
+        low=0.1,
+        high=120.0,
+        step=0.5,
+        source="published",
         meaning="Length of a whole run.",
     )
     initial_velocity: Literal["desired", "rest"] = field(
-        "desired", title="Initial velocity", source="inferred",
+        "desired",
+        title="Initial velocity",
+        source="inferred",
         meaning="Whether the arm starts with the desired velocity or at rest.",
     )
     initial_error: PerJoint = field(
-        0.0, title="Initial error", symbol="e(0)", unit="rad", low=-1.0, high=1.0, step=0.01,
+        0.0,
+        title="Initial error",
+        symbol="e(0)",
+        unit="rad",
+        low=-1.0,
+        high=1.0,
+        step=0.01,
         meaning="Desired minus actual angle at the start.",
     )
 

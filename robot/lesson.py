@@ -22,7 +22,14 @@ LESSON_FOLDER = SHIPPED_FOLDER / "lessons"
 """Beside the presets that ship, in a checkout and in an installed wheel alike."""
 
 View = Literal[
-    "error", "tracking", "velocity", "torque", "surface", "network", "flange", "flange-error",
+    "error",
+    "tracking",
+    "velocity",
+    "torque",
+    "surface",
+    "network",
+    "flange",
+    "flange-error",
     "spectrum",
 ]
 

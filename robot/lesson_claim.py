@@ -22,9 +22,21 @@ from robot.workspace import NODES
 Array = np.ndarray
 
 Metric = Literal[
-    "mean_error", "max_error", "error_at", "reaching_time", "peak_torque", "chattering",
-    "high_frequency_torque", "flange_rms", "flange_max", "sampling_margin", "margin_limit",
-    "time_constant", "integral_gain", "least_gaussian", "integrator_gap",
+    "mean_error",
+    "max_error",
+    "error_at",
+    "reaching_time",
+    "peak_torque",
+    "chattering",
+    "high_frequency_torque",
+    "flange_rms",
+    "flange_max",
+    "sampling_margin",
+    "margin_limit",
+    "time_constant",
+    "integral_gain",
+    "least_gaussian",
+    "integrator_gap",
 ]
 
 LOOSEST = 0.025

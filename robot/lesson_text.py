@@ -206,7 +206,5 @@ class LessonText:
                 for place, choice in enumerate(question.choices)
             ],
             "answer": question.answer,
-            "explanation": self.paragraphs(
-                index, question.explanation, "question.explanation"
-            ),
+            "explanation": self.paragraphs(index, question.explanation, "question.explanation"),
         }

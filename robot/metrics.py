@@ -115,16 +115,11 @@ def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | N
         layer: boundary layer in [rad/s]. Shape (6,).
     """
     inside = np.abs(sliding) <= layer
-    return tuple(
-        float(time[np.argmax(column)]) if column.any() else None for column in inside.T
-    )
+    return tuple(float(time[np.argmax(column)]) if column.any() else None for column in inside.T)
 
 
 def measure_lane(
-    time: Array,
-    columns: dict[str, Array],
-    layer: Array,
-    diverged_at: float | None = None,
+    time: Array, columns: dict[str, Array], layer: Array, diverged_at: float | None = None
 ) -> Metrics:
     """Return the figures of one lane.
 

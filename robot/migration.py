@@ -16,9 +16,7 @@ MIGRATIONS: dict[int, Migration] = {}
 
 
 def migrated(
-    document: Document,
-    migrations: Mapping[int, Migration] = MIGRATIONS,
-    current: int = FORMAT,
+    document: Document, migrations: Mapping[int, Migration] = MIGRATIONS, current: int = FORMAT
 ) -> Document:
     """Return a document in the current format; one that names no format counts as current.
 

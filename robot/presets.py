@@ -13,12 +13,7 @@ from pathlib import Path
 
 import platformdirs
 
-from robot.errors import (
-    PresetConflictError,
-    PresetStorageError,
-    SlidetuneError,
-    UnknownPresetError,
-)
+from robot.errors import PresetConflictError, PresetStorageError, SlidetuneError, UnknownPresetError
 from robot.experiment import Experiment
 from robot.plain_yaml import LARGEST_TEXT
 from robot.preset_name import LONGEST_NAME, is_preset_name, name_rule, refused_name

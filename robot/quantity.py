@@ -122,10 +122,7 @@ PerJointOrOff = Annotated[
 ]
 """One number for all joints, six, or ``None`` for none at all."""
 JointVector = Annotated[
-    tuple[float, ...],
-    PlainValidator(_joint_vector),
-    PlainSerializer(_plain),
-    WithJsonSchema(_SIX),
+    tuple[float, ...], PlainValidator(_joint_vector), PlainSerializer(_plain), WithJsonSchema(_SIX)
 ]
 Point = Annotated[
     tuple[float, ...],

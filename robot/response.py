@@ -130,7 +130,10 @@ def lane_response(
     frozen = None
     if freeze is not None:
         frozen = {
-            "time": freeze.time, "joint": freeze.joint, "cause": freeze.cause, "gamma": freeze.gamma,
+            "time": freeze.time,
+            "joint": freeze.joint,
+            "cause": freeze.cause,
+            "gamma": freeze.gamma,
         }
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)

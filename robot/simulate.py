@@ -114,9 +114,7 @@ def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
     return q_d, v_d
 
 
-def _run_lane(
-    lane: Lane, packed: Packed, time: Array, pause: Callable[[float], None]
-) -> None:
+def _run_lane(lane: Lane, packed: Packed, time: Array, pause: Callable[[float], None]) -> None:
     """Step one lane through all rows, or until it leaves its bounds."""
     step, rows = lane.step, len(time)
     instants = time.tolist()

@@ -36,7 +36,9 @@ def _dynamics(model: pin.Model, q: Array, v: Array) -> Evaluation:
     return evaluate, data.M.T, data.nle
 
 
-def _true_and_nominal(law: Law, packed: Packed, q: Array, v: Array) -> tuple[Evaluation, Evaluation]:
+def _true_and_nominal(
+    law: Law, packed: Packed, q: Array, v: Array
+) -> tuple[Evaluation, Evaluation]:
     """Return the evaluation of both arms; the first refreshes both."""
     truth = _dynamics(packed.model, q, v)
     if packed.nominal is None or not law.model_based:
@@ -90,8 +92,19 @@ def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, recor
             return bad
         evaluate_later()
         bad = kernel(
-            SECOND, t + half, h, row, M2, nle2, nominal_M2, nominal_nle2, gains, world,
-            trajectory, work, record,
+            SECOND,
+            t + half,
+            h,
+            row,
+            M2,
+            nle2,
+            nominal_M2,
+            nominal_nle2,
+            gains,
+            world,
+            trajectory,
+            work,
+            record,
         )
         return bad
 

@@ -23,28 +23,68 @@ class NftsmSurface(Section):
     """Gains of the non-singular fast terminal sliding surface (Eq. 5)."""
 
     nu: PerJoint = field(
-        0.3, title="Error gain", symbol="ν", unit="1/s", low=0.01, high=100.0, step=0.01,
-        scale="log", equation="Eq. 5", group="Sliding surface", source="published",
+        0.3,
+        title="Error gain",
+        symbol="ν",
+        unit="1/s",
+        low=0.01,
+        high=100.0,
+        step=0.01,
+        scale="log",
+        equation="Eq. 5",
+        group="Sliding surface",
+        source="published",
         meaning="Weight of the error; on the surface the error dies with the time constant c/ν.",
     )
     c: PerJoint = field(
-        10.0, title="Velocity gain", symbol="c", low=0.05, high=50.0, step=0.1,
-        scale="log", equation="Eq. 5", group="Sliding surface", source="published",
+        10.0,
+        title="Velocity gain",
+        symbol="c",
+        low=0.05,
+        high=50.0,
+        step=0.1,
+        scale="log",
+        equation="Eq. 5",
+        group="Sliding surface",
+        source="published",
         meaning="Weight of the velocity error; with k₁ it makes the damping k₁c.",
     )
     mu: PerJoint = field(
-        0.3, title="Terminal gain", symbol="μ", low=0.0, high=10.0, step=0.01,
-        equation="Eq. 5", group="Sliding surface", source="published",
+        0.3,
+        title="Terminal gain",
+        symbol="μ",
+        low=0.0,
+        high=10.0,
+        step=0.01,
+        equation="Eq. 5",
+        group="Sliding surface",
+        source="published",
         meaning="Weight of the terminal term |de|^(p/k), which acts on large velocity errors.",
     )
     p: PerJoint = field(
-        5.0, title="Numerator of the exponent", symbol="p", low=1.0, high=99.0, step=2.0, odd=True,
-        equation="Eq. 5", group="Sliding surface", source="published",
+        5.0,
+        title="Numerator of the exponent",
+        symbol="p",
+        low=1.0,
+        high=99.0,
+        step=2.0,
+        odd=True,
+        equation="Eq. 5",
+        group="Sliding surface",
+        source="published",
         meaning="Odd; 1 < p/k < 2 keeps the surface free of singularities.",
     )
     k: PerJoint = field(
-        3.0, title="Denominator of the exponent", symbol="k", low=1.0, high=99.0, step=2.0,
-        odd=True, equation="Eq. 5", group="Sliding surface", source="published",
+        3.0,
+        title="Denominator of the exponent",
+        symbol="k",
+        low=1.0,
+        high=99.0,
+        step=2.0,
+        odd=True,
+        equation="Eq. 5",
+        group="Sliding surface",
+        source="published",
         meaning="Odd; 1 < p/k < 2 keeps the surface free of singularities.",
     )
 
@@ -69,8 +109,16 @@ class LinearSurface(Section):
     """Gain of the conventional sliding surface."""
 
     lambda_: PerJoint = field(
-        5.0, title="Error gain", symbol="λ", unit="1/s", low=0.01, high=100.0, step=0.1,
-        scale="log", group="Sliding surface", source="inferred",
+        5.0,
+        title="Error gain",
+        symbol="λ",
+        unit="1/s",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        scale="log",
+        group="Sliding surface",
+        source="inferred",
         meaning="On the surface the error dies with the time constant 1/λ; the paper gives none.",
     )
 

@@ -33,34 +33,72 @@ class ReachingGains(Section):
     """Reaching law of a lane (Eq. 10-13)."""
 
     k1: PerJoint = field(
-        150.0, title="Proportional reaching gain", symbol="k₁", unit="N·m·s/rad", low=0.0,
-        high=1000.0, step=1.0, equation="Eq. 13", group="Reaching", source="published",
+        150.0,
+        title="Proportional reaching gain",
+        symbol="k₁",
+        unit="N·m·s/rad",
+        low=0.0,
+        high=1000.0,
+        step=1.0,
+        equation="Eq. 13",
+        group="Reaching",
+        source="published",
         meaning="Torque per unit of the sliding variable: how hard the loop is drawn to S = 0.",
     )
     k2: PerJoint = field(
-        150.0, title="Switching gain", symbol="k₂", unit="N·m", low=0.0, high=1000.0, step=1.0,
-        equation="Eq. 13", group="Reaching", source="published",
+        150.0,
+        title="Switching gain",
+        symbol="k₂",
+        unit="N·m",
+        low=0.0,
+        high=1000.0,
+        step=1.0,
+        equation="Eq. 13",
+        group="Reaching",
+        source="published",
         meaning="Greatest torque of the switching term: what it can hold against a disturbance.",
     )
     epsilon: PerJoint = field(
-        1.0, title="Boundary layer", symbol="ε", unit="rad/s", low=1e-4, high=10.0, step=0.01,
-        scale="log", equation="Eq. 13", group="Reaching", source="published",
+        1.0,
+        title="Boundary layer",
+        symbol="ε",
+        unit="rad/s",
+        low=1e-4,
+        high=10.0,
+        step=0.01,
+        scale="log",
+        equation="Eq. 13",
+        group="Reaching",
+        source="published",
         meaning="Width over which tanh and saturation pass from -1 to 1; sign ignores it.",
     )
     switching: Switching = field(
-        "tanh", title="Switching function", symbol="sw", equation="Eq. 13", group="Reaching",
+        "tanh",
+        title="Switching function",
+        symbol="sw",
+        equation="Eq. 13",
+        group="Reaching",
         source="published",
         meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters.",
     )
     reaching: Reaching = field(
-        "exponential", title="Reaching law", equation="Eq. 10-13", group="Reaching",
+        "exponential",
+        title="Reaching law",
+        equation="Eq. 10-13",
+        group="Reaching",
         source="published",
         meaning="Exponential k₁S + k₂sw(S) (Eq. 11; with tanh Eq. 13), constant k₂sw(S) (Eq. 10) "
         "or power k₁|S|^α sw(S) (Eq. 12).",
     )
     alpha: Number = field(
-        0.5, title="Power of the reaching law", symbol="α", low=0.05, high=0.95, step=0.05,
-        equation="Eq. 12", group="Reaching",
+        0.5,
+        title="Power of the reaching law",
+        symbol="α",
+        low=0.05,
+        high=0.95,
+        step=0.05,
+        equation="Eq. 12",
+        group="Reaching",
         meaning="Exponent of the power reaching law; the other two ignore it.",
     )
 
@@ -68,7 +106,10 @@ class ReachingGains(Section):
         """Return the reaching law as numbers. Shape (5, 6)."""
         block = np.zeros((REACHING_ROWS, JOINTS))
         block[K1], block[K2], block[EPSILON], block[ALPHA] = (
-            self.k1, self.k2, self.epsilon, self.alpha,
+            self.k1,
+            self.k2,
+            self.epsilon,
+            self.alpha,
         )
         block[CODES, :2] = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching)
         return block

@@ -28,19 +28,45 @@ class SineTrajectory(Section):
 
     kind: Literal["sine"] = "sine"
     amplitude: PerJoint = field(
-        1.0, title="Amplitude", symbol="A", unit="rad", low=-3.0, high=3.0, step=0.01,
-        source="published", meaning="Half the swing of a joint.",
+        1.0,
+        title="Amplitude",
+        symbol="A",
+        unit="rad",
+        low=-3.0,
+        high=3.0,
+        step=0.01,
+        source="published",
+        meaning="Half the swing of a joint.",
     )
     angular_frequency: PerJoint = field(
-        1.0, title="Angular frequency", symbol="ω", unit="rad/s", low=0.0, high=20.0, step=0.05,
-        source="published", meaning="How fast it swings; 1 rad/s as published.",
+        1.0,
+        title="Angular frequency",
+        symbol="ω",
+        unit="rad/s",
+        low=0.0,
+        high=20.0,
+        step=0.05,
+        source="published",
+        meaning="How fast it swings; 1 rad/s as published.",
     )
     phase: PerJoint = field(
-        0.0, title="Phase", symbol="α₀", unit="rad", low=-3.1416, high=3.1416, step=0.01,
+        0.0,
+        title="Phase",
+        symbol="α₀",
+        unit="rad",
+        low=-3.1416,
+        high=3.1416,
+        step=0.01,
         meaning="Where the swing begins.",
     )
     offset: PerJoint = field(
-        0.0, title="Offset", symbol="q₀", unit="rad", low=-6.28, high=6.28, step=0.01,
+        0.0,
+        title="Offset",
+        symbol="q₀",
+        unit="rad",
+        low=-6.28,
+        high=6.28,
+        step=0.01,
         meaning="Angle about which it swings.",
     )
 
@@ -50,16 +76,37 @@ class QuinticTrajectory(Section):
 
     kind: Literal["quintic"] = "quintic"
     start: JointVector = field(
-        _degrees(0, 90, 90, 180, 90, 0), title="Start", symbol="q_a", unit="rad", low=-6.2832,
-        high=6.2832, step=0.01, source="published", meaning="Pose at the beginning.",
+        _degrees(0, 90, 90, 180, 90, 0),
+        title="Start",
+        symbol="q_a",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        source="published",
+        meaning="Pose at the beginning.",
     )
     end: JointVector = field(
-        _degrees(90, 45, 30, 60, 36, 30), title="End", symbol="q_b", unit="rad", low=-6.2832,
-        high=6.2832, step=0.01, source="published", meaning="Pose at the end, then held.",
+        _degrees(90, 45, 30, 60, 36, 30),
+        title="End",
+        symbol="q_b",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        source="published",
+        meaning="Pose at the end, then held.",
     )
     duration: Number = field(
-        10.0, title="Duration", symbol="T", unit="s", low=0.2, high=60.0, step=0.1,
-        source="inferred", meaning="Time from start to end; the paper gives none.",
+        10.0,
+        title="Duration",
+        symbol="T",
+        unit="s",
+        low=0.2,
+        high=60.0,
+        step=0.1,
+        source="inferred",
+        meaning="Time from start to end; the paper gives none.",
     )
 
 
@@ -68,8 +115,14 @@ class HoldTrajectory(Section):
 
     kind: Literal["hold"] = "hold"
     position: JointVector = field(
-        _degrees(0, 90, 90, 90, -90, 0), title="Pose", symbol="q_d", unit="rad", low=-6.2832,
-        high=6.2832, step=0.01, meaning="Joint angles to hold.",
+        _degrees(0, 90, 90, 90, -90, 0),
+        title="Pose",
+        symbol="q_d",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        meaning="Joint angles to hold.",
     )
 
 
@@ -78,20 +131,37 @@ class CircleTrajectory(Section):
 
     kind: Literal["circle"] = "circle"
     pose: JointVector = field(
-        _degrees(0, 90, 90, 90, -90, 0), title="Pose on the circle", symbol="q_a", unit="rad",
-        low=-6.2832, high=6.2832, step=0.01,
+        _degrees(0, 90, 90, 90, -90, 0),
+        title="Pose on the circle",
+        symbol="q_a",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
         meaning="Joint angles where the circle begins and ends; the default points the tool down.",
     )
     radius: Number = field(
-        0.1, title="Radius", symbol="R", unit="m", low=0.005, high=0.5, step=0.005,
+        0.1,
+        title="Radius",
+        symbol="R",
+        unit="m",
+        low=0.005,
+        high=0.5,
+        step=0.005,
         meaning="Radius of the circle; refused where the arm can't follow.",
     )
     period: Number = field(
-        4.0, title="Period", symbol="T", unit="s", low=0.5, high=60.0, step=0.1,
+        4.0,
+        title="Period",
+        symbol="T",
+        unit="s",
+        low=0.5,
+        high=60.0,
+        step=0.1,
         meaning="Time for one turn.",
     )
     plane: Literal["xy", "xz", "yz"] = field(
-        "xy", title="Plane", meaning="Plane of the circle in the base frame.",
+        "xy", title="Plane", meaning="Plane of the circle in the base frame."
     )
 
 

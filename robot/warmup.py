@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from robot.compiled import mark_warm
 from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.packed import pack
@@ -31,8 +32,6 @@ def warm_up(progress: Progress | None = None) -> None:
         experiment = _experiment(law, mode)
         simulate(experiment)
         worst_margin(pack(experiment), "A")
+    mark_warm()
     if progress is not None:
         progress(len(parts), len(parts), "")
-
-
-

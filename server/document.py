@@ -46,9 +46,7 @@ class Document:
         packed: the experiment as numbers.
     """
 
-    def __init__(
-        self, packed: Packed, preset: str, session: Session, colors: LaneColors
-    ) -> None:
+    def __init__(self, packed: Packed, preset: str, session: Session, colors: LaneColors) -> None:
         """Start with what the session started with."""
         self.experiment = self.baseline = packed.experiment
         self.packed = packed

@@ -70,7 +70,11 @@ class RunningMetrics:
         self._columns = {
             group: [i for i, c in enumerate(columns) if c.group == group and c.lane == owner]
             for group, owner in (
-                ("e", lane), ("de", lane), ("tau", lane), ("flange", lane), ("flange_d", ""),
+                ("e", lane),
+                ("de", lane),
+                ("tau", lane),
+                ("flange", lane),
+                ("flange_d", ""),
             )
         }
         self.restart()

@@ -165,9 +165,7 @@ class Session:
         """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s]."""
         self.ask(lambda: self._push.kick(np.array(torque), self.loop.time + duration))
 
-    def fork(
-        self, packed: Packed, revision: int, moment: float, origins: dict[str, str]
-    ) -> None:
+    def fork(self, packed: Packed, revision: int, moment: float, origins: dict[str, str]) -> None:
         """Go back to a recorded moment and continue from there with other lanes.
 
         Args:

@@ -15,7 +15,6 @@ from robot.simulate import desired_motion
 from robot.workspace import QD, Q
 from server.colors import LaneColors
 from server.recorder import Moment
-from server.recorder import Moment
 from server.scene import LaneStyle, Scene, SceneFrame
 from server.telemetry import Channel
 
@@ -77,6 +76,11 @@ class StageView:
         """
         self._present = None
         self._past = moment
+
+    @property
+    def past(self) -> Moment | None:
+        """The past moment that is shown, ``None`` for the present."""
+        return self._past
 
     def restart(self) -> None:
         """Clear the trails."""
@@ -147,8 +151,13 @@ class StageView:
             self.selected = lanes[0]
         experiment = packed.experiment
         shown = (
-            tuple(lanes), self.selected, experiment.robot, experiment.trajectory,
-            experiment.simulation.horizon, self.exaggeration, self.ghosts,
+            tuple(lanes),
+            self.selected,
+            experiment.robot,
+            experiment.trajectory,
+            experiment.simulation.horizon,
+            self.exaggeration,
+            self.ghosts,
         )
         if shown == self._shown:
             return

@@ -11,10 +11,12 @@ import asyncio
 import itertools
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
+from threading import Thread
 from typing import Any, TypeVar
 
 from robot.errors import SlidetuneError
@@ -44,6 +46,8 @@ def _begin(flags: Any) -> None:
     """Warm a new process up: load every compiled kernel, keep out of the session's way."""
     global _flags
     _flags = flags
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which ends us
+    Thread(target=_leave_with_parent, daemon=True).start()
     if hasattr(os, "nice"):
         os.nice(5)
     import scipy.signal  # noqa: F401  (slow to import: not in the middle of the first drag)
@@ -53,7 +57,17 @@ def _begin(flags: Any) -> None:
     warm_up()
 
 
-def _perform(function: Callable[..., Result], slot: int, ticket: int, args: tuple[Any, ...]) -> Result:
+def _leave_with_parent() -> None:
+    """End this process as soon as the server is gone, however that ended."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(0)
+
+
+def _perform(
+    function: Callable[..., Result], slot: int, ticket: int, args: tuple[Any, ...]
+) -> Result:
     """Run one task in a worker, with its own way to learn that it isn't wanted any more."""
     flags = _flags
     return function(*args, cancelled=lambda: flags[slot] != ticket)
@@ -84,7 +98,12 @@ class Workers:
         for slot in range(SLOTS):
             self._flags[slot] = 0
         if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
+            processes = list((getattr(self._pool, "_processes", None) or {}).values())
+            self._pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+            for process in processes:
+                process.join(5.0)
             self._pool = None
 
     def processes(self) -> list[int]:

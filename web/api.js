@@ -71,6 +71,7 @@ export class Api extends EventTarget {
   client = '';
   /** Newest revision that the server told of. */
   revision = 0;
+  /** @type {Set<number>} revisions that this page asked for without a patch */ made = new Set();
   version = '';
   connected = false;
   /** Whether a control is on its way: more values follow until `settled`. */
@@ -186,7 +187,7 @@ export class Api extends EventTarget {
   async listPresets() { return (await request('GET', '/api/presets')).presets; }
 
   /** @param {string} name */
-  loadPreset(name) { return request('POST', `${presetAddress(name)}/load`); }
+  loadPreset(name) { return this.#make(request('POST', `${presetAddress(name)}/load`)); }
 
   /** @param {string} name */
   deletePreset(name) { return request('DELETE', presetAddress(name)); }
@@ -212,7 +213,7 @@ export class Api extends EventTarget {
   }
 
   /** @param {string|Document} document YAML text or a whole experiment */
-  replaceExperiment(document) { return request('PUT', '/api/experiment', document); }
+  replaceExperiment(document) { return this.#make(request('PUT', '/api/experiment', document)); }
 
   /** @returns {Promise<LessonSummary[]>} */
   async lessons() { return (await request('GET', '/api/lessons')).lessons; }
@@ -273,7 +274,7 @@ export class Api extends EventTarget {
    * @param {number} number of the edit
    * @returns {Promise<{experiment: Document}>}
    */
-  restoreEdit(number) { return request('POST', `/api/history/${number}/restore`); }
+  restoreEdit(number) { return this.#make(request('POST', `/api/history/${number}/restore`)); }
 
   /** @returns {Promise<{from: number|null, to: number|null}>} recorded moments in [s] */
   past() { return request('GET', '/api/session/past'); }
@@ -293,7 +294,14 @@ export class Api extends EventTarget {
    *
    * @param {{time: number, origin: string, name: string, gains?: Document}} branch
    */
-  fork(branch) { return request('POST', '/api/session/fork', branch); }
+  fork(branch) { return this.#make(request('POST', '/api/session/fork', branch)); }
+
+  /** @param {Promise<Document>} answer */
+  async #make(answer) {
+    const change = await answer;
+    this.made.add(change.revision);
+    return change;
+  }
 
   // What arrives
 

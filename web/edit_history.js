@@ -16,8 +16,9 @@ import {Schema} from './schema.js';
 const MOST_CHANGES = 4;
 const AGES_MS = 5000;
 const WIDTH = 380;
+const LONGEST = 32;
 /** Authors that are no browser. */
-const NAMES = new Map([['', 'the server'], ['http', 'a program'], ['history', 'a way back']]);
+const NAMES = new Map([['', 'the server'], ['http', 'a program'], ['history', 'somebody’s way back']]);
 
 /**
  * A button that opens the list; the event `edits` does so, too.
@@ -110,14 +111,17 @@ class EditPanel {
    * @param {boolean} present whether it made what is in force
    */
   #item(edit, present) {
-    const {number, time, author, changes} = edit;
+    const {number, revision, time, author} = edit;
+    const changes = edit.changes.filter(({path}) => path[0] !== 'description');
     const when = new Date(time * 1000);
     const age = element('time', {
       datetime: when.toISOString(), title: when.toLocaleString(), 'data-time': time,
     }, ageText(time));
-    const who = this.#own.has(author) ? 'you' : NAMES.get(author) ?? author;
+    const own = this.#own.has(author) || this.#api.made.has(revision);
+    const who = own ? 'you' : NAMES.get(author) ?? author;
     const shown = changes.slice(0, MOST_CHANGES).map((change) => this.#change(change));
     const more = changes.length - shown.length;
+    if (!changes.length) shown.push(element('div', {}, 'Description changed'));
     if (more > 0) shown.push(element('div', {class: 'edits-more'}, `and ${more} more`));
     const back = present ? element('span', {class: 'edits-present'}, 'in force') : element('button', {
       class: 'button small', type: 'button', 'data-edit': number,
@@ -133,7 +137,7 @@ class EditPanel {
     const whole = [from, to].every((value) => value === 'all' || value === 'none');
     if (whole) return element('div', {}, `${path[path.length - 1]} ${to === 'all' ? 'added' : 'removed'}`);
     const {symbol: sign, title, unit, lane} = /** @type {FieldNames} */ (this.#names).of(path);
-    const values = `${valueText(from)} → ${valueText(to, unit)}`;
+    const values = `${shortened(valueText(from))} → ${shortened(valueText(to, unit))}`;
     return element('div', {title: path.join('.')},
       element('span', {class: 'edits-field'}, sign ? symbol(sign) : title),
       lane && element('span', {class: 'edits-lane'}, ` of ${lane}`),
@@ -157,6 +161,9 @@ class EditPanel {
     }
   }
 }
+
+/** @param {string} text */
+function shortened(text) { return text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text; }
 
 /**
  * @param {number} time in [s] since 1970

@@ -168,10 +168,7 @@ def _circles(heights: Array, radii: Array) -> Array:
 
 
 def placed(
-    surface: Surface,
-    origin: Sequence[float],
-    axis: Sequence[float],
-    towards: Sequence[float],
+    surface: Surface, origin: Sequence[float], axis: Sequence[float], towards: Sequence[float]
 ) -> Surface:
     """Move a surface: its z becomes ``axis``, its x ``towards`` (perpendicular unit vectors)."""
     z, x = np.array(axis, dtype=float), np.array(towards, dtype=float)

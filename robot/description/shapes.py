@@ -53,10 +53,7 @@ Part = tuple[str, Surface]
 
 def _barrel(barrel: profiles.Barrel, origin: Vector, axis: Vector, stub: Vector) -> list[Part]:
     body, cap = capped_lathe(barrel.profile, barrel.seam, SECTIONS)
-    return [
-        ("housing", placed(body, origin, axis, stub)),
-        ("cap", placed(cap, origin, axis, stub)),
-    ]
+    return [("housing", placed(body, origin, axis, stub)), ("cap", placed(cap, origin, axis, stub))]
 
 
 def _turned(
@@ -84,10 +81,7 @@ def _base() -> list[Part]:
 
 
 def _shoulder() -> list[Part]:
-    return [
-        *_barrel(profiles.BIG, ORIGIN, Z, Y),
-        _turned("housing", profiles.BIG_STUB, ORIGIN, Y),
-    ]
+    return [*_barrel(profiles.BIG, ORIGIN, Z, Y), _turned("housing", profiles.BIG_STUB, ORIGIN, Y)]
 
 
 def _upper_arm() -> list[Part]:

@@ -4,13 +4,7 @@ from math import pi
 from xml.sax.saxutils import quoteattr
 
 from robot.description import JOINT_NAMES, LINK_NAMES, URDF_PATH
-from robot.description.figures import (
-    INERTIALS,
-    JOINTS,
-    MAX_JOINT_SPEED,
-    JointFigures,
-    LinkInertial,
-)
+from robot.description.figures import INERTIALS, JOINTS, MAX_JOINT_SPEED, JointFigures, LinkInertial
 from robot.description.primitives import PRIMITIVES, Box, Cylinder, Primitive
 
 _HEADER = """<?xml version="1.0"?>

@@ -12,15 +12,7 @@ from robot.network import no_network
 from robot.quantity import JOINTS, PerJoint, Section, field
 from robot.stages import begin, command, finish, observe
 from robot.surface import linear_surface
-from robot.workspace import (
-    AD,
-    FLAGS,
-    GAIN,
-    REACH,
-    SHAPE,
-    TAU,
-    S,
-)
+from robot.workspace import AD, FLAGS, GAIN, REACH, SHAPE, TAU, S
 
 Array = np.ndarray
 
@@ -32,12 +24,26 @@ class ComputedTorque(Section):
 
     law: Literal["computed_torque"] = "computed_torque"
     kp: PerJoint = field(
-        400.0, title="Position gain", symbol="k_p", unit="1/s²", low=0.0, high=10000.0, step=10.0,
-        group="PD", meaning="Stiffness per unit of inertia: the square of the natural frequency.",
+        400.0,
+        title="Position gain",
+        symbol="k_p",
+        unit="1/s²",
+        low=0.0,
+        high=10000.0,
+        step=10.0,
+        group="PD",
+        meaning="Stiffness per unit of inertia: the square of the natural frequency.",
     )
     kd: PerJoint = field(
-        40.0, title="Velocity gain", symbol="k_d", unit="1/s", low=0.1, high=400.0, step=1.0,
-        scale="log", group="PD",
+        40.0,
+        title="Velocity gain",
+        symbol="k_d",
+        unit="1/s",
+        low=0.1,
+        high=400.0,
+        step=1.0,
+        scale="log",
+        group="PD",
         meaning="Damping per unit of inertia; 2√k_p damps critically.",
     )
 

@@ -24,7 +24,10 @@ class Nftsm(NftsmSurface, ReachingGains):
 
     law: Literal["nftsm"] = "nftsm"
     inertia_shaped: bool = field(
-        False, title="Shape by the inertia", symbol="MΓ⁻¹", group="Reaching",
+        False,
+        title="Shape by the inertia",
+        symbol="MΓ⁻¹",
+        group="Reaching",
         meaning="Multiplies the reaching law by MΓ⁻¹, so that dS/dt = -k₁S - k₂sw(S) holds "
         "exactly; not in the paper.",
     )

@@ -115,7 +115,12 @@ def look(packed: Packed, name: str, run: LaneRun) -> ChatteringView:
         for j in range(JOINTS)
     )
     return ChatteringView(
-        limit=HIGH_FREQUENCY, frequency=frequency, joints=joints, variation=metrics.chattering,
-        switches=float(switches.sum()), above=metrics.high_frequency_torque,
-        mae=float(np.mean(metrics.mae)), max_error=float(np.max(metrics.max_error)),
+        limit=HIGH_FREQUENCY,
+        frequency=frequency,
+        joints=joints,
+        variation=metrics.chattering,
+        switches=float(switches.sum()),
+        above=metrics.high_frequency_torque,
+        mae=float(np.mean(metrics.mae)),
+        max_error=float(np.max(metrics.max_error)),
     )

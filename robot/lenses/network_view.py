@@ -163,15 +163,20 @@ def look(packed: Packed, name: str, run: LaneRun) -> NetworkView | None:
         asked, missing = _rms(needed[late, j]), _rms(needed[late, j] - f[late, j])
         joints.append(
             NetworkJoint(
-                width=float(widths[j]), low=float(x.min()), high=float(x.max()),
+                width=float(widths[j]),
+                low=float(x.min()),
+                high=float(x.max()),
                 visits=counts / counts.sum(),
                 coverage=float(np.mean(hidden.max(axis=1) > ANSWER)),
                 spread=float(np.max(np.ptp(hidden, axis=0))),
                 effective_nodes=effective_nodes(hidden),
-                weights=run.final_weights[:, j], norm=norms[j],
-                f=f[:, j], needed=needed[:, j],
+                weights=run.final_weights[:, j],
+                norm=norms[j],
+                f=f[:, j],
+                needed=needed[:, j],
                 learnt=1.0 - missing / asked if asked > 1e-9 else None,
-                needed_rms=asked, missing_rms=missing,
+                needed_rms=asked,
+                missing_rms=missing,
             )
         )
     return NetworkView(gains.network_input, centers, tuple(joints), norm_time, run.time[chosen])

@@ -158,9 +158,13 @@ def look(packed: Packed, name: str, run: LaneRun) -> SlidingView:
         left = np.flatnonzero(outside[:, j])
         joints.append(
             SlidingJoint(
-                time=time[chosen], e=run.e[chosen, j], de=run.de[chosen, j],
-                curve_e=curve_e[:, j], curve_de=curve_de[:, j],
-                layer=float(run.layer[j]), layer_width=float(run.layer[j] / S_E[j]),
+                time=time[chosen],
+                e=run.e[chosen, j],
+                de=run.de[chosen, j],
+                curve_e=curve_e[:, j],
+                curve_de=curve_de[:, j],
+                layer=float(run.layer[j]),
+                layer_width=float(run.layer[j] / S_E[j]),
                 reaching_time=reaching[j],
                 last_outside=float(time[left[-1]]) if len(left) else None,
                 inside=1.0 - _share(outside[:, j]),

@@ -17,7 +17,10 @@ from server.studio import Studio, law_infos
 YAML = "application/yaml"
 MAX_BODY = 256 * 1024
 """Largest body of a request in bytes (*ours*)."""
-REFUSED: dict[int | str, dict[str, Any]] = {413: {"model": ErrorAnswer}, 422: {"model": ErrorAnswer}}
+REFUSED: dict[int | str, dict[str, Any]] = {
+    413: {"model": ErrorAnswer},
+    422: {"model": ErrorAnswer},
+}
 _PATCH = {"lanes": {"NFTSM": {"nu": 30}}}
 
 

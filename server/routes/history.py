@@ -13,7 +13,10 @@ from robot.merge_patch import difference
 from server.contract import ErrorAnswer, ExperimentAnswer, Strict
 from server.studio import Studio
 
-REFUSED: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}, 422: {"model": ErrorAnswer}}
+REFUSED: dict[int | str, dict[str, Any]] = {
+    404: {"model": ErrorAnswer},
+    422: {"model": ErrorAnswer},
+}
 
 
 class Fork(Strict):

@@ -30,7 +30,9 @@ class LensRequest(Strict):
         {}, description="Merge patch to the live experiment, such as another switching function."
     )
     lenses: list[LensName] = Field(
-        ["sliding", "network", "chattering"], min_length=1, max_length=3,
+        ["sliding", "network", "chattering"],
+        min_length=1,
+        max_length=3,
         description="Each costs a little time.",
     )
 

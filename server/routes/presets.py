@@ -54,7 +54,7 @@ def presets_router(studio: Studio) -> APIRouter:
                 "content": {
                     YAML: {"schema": {"type": "string"}},
                     "application/json": {"schema": {"type": "object"}},
-                },
+                }
             }
         },
     )

@@ -58,8 +58,11 @@ def studies_router(studio: Studio) -> APIRouter:
                 except WorkerLostError as error:
                     result = {"state": "refused", "reason": str(error)}
                 row = {
-                    "number": number, "count": len(trials), "revision": revision,
-                    **trial.document(), **result,
+                    "number": number,
+                    "count": len(trials),
+                    "revision": revision,
+                    **trial.document(),
+                    **result,
                 }
                 yield json.dumps(row, allow_nan=False, ensure_ascii=False) + "\n"
 

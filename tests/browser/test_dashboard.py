@@ -67,8 +67,10 @@ def test_the_page_shows_lanes_plots_figures_and_the_arm(page: Page, dashboard: D
         expect(page.locator("#metrics")).to_contain_text(lane)
     canvas = page.frame_locator("#scene iframe").locator("canvas").first
     expect(canvas).to_be_visible()
-    page.wait_for_function("document.querySelectorAll('#plots .scatterlayer path.js-line').length >= 9")
     end = time.monotonic() + 60.0
+    while page.locator("#plots .scatterlayer path.js-line").count() < 9:
+        assert time.monotonic() < end, "there are curves missing"
+        page.wait_for_timeout(200)
     while colours(page, "#scene") < 500:
         assert time.monotonic() < end, "the 3D scene stayed blank"
         page.wait_for_timeout(500)
@@ -80,7 +82,7 @@ def test_a_slider_move_changes_the_experiment_the_plots_and_the_revision(
     page: Page, dashboard: Dashboard
 ) -> None:
     open_page(page, dashboard)
-    marker = page.locator("[data-revision]")
+    marker = page.locator("#header [data-revision]")
     before, revision = curves(page), marker.get_attribute("data-revision")
     track = slider(page, "lanes.RBFNN-NFTSM.c").bounding_box()
     assert track is not None
@@ -94,9 +96,7 @@ def test_a_slider_move_changes_the_experiment_the_plots_and_the_revision(
     expect(marker).not_to_have_attribute("data-revision", revision or "")
     value = experiment(dashboard)["lanes"]["RBFNN-NFTSM"]["c"]
     assert value < 3.0
-    expect(box(page, "lanes.RBFNN-NFTSM.c")).to_have_value(
-        re.compile(rf"^{value:.3g}"[:4])
-    )
+    expect(box(page, "lanes.RBFNN-NFTSM.c")).to_have_value(re.compile(rf"^{value:.3g}"[:4]))
     end = time.monotonic() + 15.0
     while curves(page) == before:
         assert time.monotonic() < end, "the plots stood still"

@@ -72,7 +72,8 @@ def trace(page: Page, title: str, uid: str) -> dict[str, Any]:
     expect(graph.locator(".main-svg").first).to_be_attached()
     found: dict[str, Any] = graph.evaluate(
         "(graph, uid) => { const one = graph.data.find((each) => each.uid === uid);"
-        " return {x: [...one.x], y: [...one.y], mode: one.mode ?? ''}; }", uid,
+        " return {x: [...one.x], y: [...one.y], mode: one.mode ?? ''}; }",
+        uid,
     )
     return found
 
@@ -225,8 +226,10 @@ def test_pictures_take_the_pages_colours(page: Page, dashboard: Dashboard, theme
     color = page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--text')")
     title = "Where the error goes"
     trace(page, title, "curve")
-    drawn = card(page, title).locator(".lens-graph").evaluate(
-        "(graph) => graph.data.find((one) => one.uid === 'curve').line.color"
+    drawn = (
+        card(page, title)
+        .locator(".lens-graph")
+        .evaluate("(graph) => graph.data.find((one) => one.uid === 'curve').line.color")
     )
     assert drawn == color.strip()
 

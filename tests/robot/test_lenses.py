@@ -28,17 +28,18 @@ SAMPLED = {"mode": "sampled", "control_rate": 1000.0, "plant_substeps": 4}
 SOFT = {
     "robot": {"inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15]},
     "lane": {
-        "law": "rbfnn_nftsm", "nu": 10.0, "c": 1.0, "mu": 0.1, "epsilon": 0.03, "width": 0.3,
-        "k1": [80, 80, 40, 8, 8, 8], "k2": [40, 40, 25, 5, 5, 5], "learning_rate": 20.0,
+        "law": "rbfnn_nftsm",
+        **{"nu": 10.0, "c": 1.0, "mu": 0.1, "epsilon": 0.03, "width": 0.3},
+        "k1": [80, 80, 40, 8, 8, 8],
+        "k2": [40, 40, 25, 5, 5, 5],
+        "learning_rate": 20.0,
     },
 }
 
 
 def experiment(lane: dict[str, Any], **sections: Any) -> Experiment:
     simulation = {"horizon": 2.0, **sections.pop("simulation", {})}
-    return Experiment.from_document(
-        {"lanes": {LANE: lane}, "simulation": simulation, **sections}
-    )
+    return Experiment.from_document({"lanes": {LANE: lane}, "simulation": simulation, **sections})
 
 
 def ran(one: Experiment) -> tuple[Packed, LaneRun]:
@@ -49,11 +50,16 @@ def ran(one: Experiment) -> tuple[Packed, LaneRun]:
 def terminal() -> tuple[Packed, LaneRun]:
     """A lane whose surface bends, with an error to begin with and a constant disturbance."""
     lane = {"law": "nftsm", "nu": 5.0, "c": 1.0, "mu": 2.0, "epsilon": 0.05}
-    return ran(experiment(
-        lane,
-        simulation={"initial_error": [0.2, -0.1, 0.05, 0.1, 0.1, 0.1], "initial_velocity": "rest"},
-        disturbance={"constant": [-22.5, -33.0, -20.0, 0.0, 0.0, 0.0]},
-    ))
+    return ran(
+        experiment(
+            lane,
+            simulation={
+                "initial_error": [0.2, -0.1, 0.05, 0.1, 0.1, 0.1],
+                "initial_velocity": "rest",
+            },
+            disturbance={"constant": [-22.5, -33.0, -20.0, 0.0, 0.0, 0.0]},
+        )
+    )
 
 
 @pytest.fixture(scope="module")
@@ -143,8 +149,13 @@ def test_V_is_half_S_M_S_of_the_true_arm(terminal: Any) -> None:
 
 def test_V_falls_outside_the_layer_where_the_gains_beat_the_disturbance() -> None:
     lane = {
-        "law": "nftsm", "nu": 5.0, "c": 1.0, "epsilon": 0.02, "inertia_shaped": True,
-        "k1": 2.0, "k2": 2.0,
+        "law": "nftsm",
+        "nu": 5.0,
+        "c": 1.0,
+        "epsilon": 0.02,
+        "inertia_shaped": True,
+        "k1": 2.0,
+        "k2": 2.0,
     }
     start = {"initial_error": 0.2, "initial_velocity": "rest"}
     trajectory = {"kind": "hold"}
@@ -198,8 +209,10 @@ def test_norms_of_the_final_weights_continue_the_recorded_ones(learning: Any) ->
 def test_needed_torque_is_what_the_exact_model_applies_on_its_surface(undisturbed: Any) -> None:
     """NFTSM knows the arm, so that without a disturbance S stays 0 and tau is the needed torque."""
     one = undisturbed.experiment.patched(
-        {"lanes": {"RBFNN-NFTSM": None, "RBFNN-SMC": None}, "simulation": {"horizon": 1.0,
-         "initial_velocity": "desired"}}
+        {
+            "lanes": {"RBFNN-NFTSM": None, "RBFNN-SMC": None},
+            "simulation": {"horizon": 1.0, "initial_velocity": "desired"},
+        }
     )
     packed, run = pack(one), simulate(one)
     lane, probe = run.lanes["NFTSM"], Probe(packed, "NFTSM")
@@ -211,10 +224,13 @@ def test_needed_torque_is_what_the_exact_model_applies_on_its_surface(undisturbe
 def test_needed_torque_holds_the_disturbance_and_the_friction() -> None:
     lane = {"law": "nftsm"}
     free = pack(experiment(lane))
-    rough = pack(experiment(
-        lane, disturbance={"constant": -20.0},
-        robot={"viscous_friction": 2.0, "coulomb_friction": 3.0},
-    ))
+    rough = pack(
+        experiment(
+            lane,
+            disturbance={"constant": -20.0},
+            robot={"viscous_friction": 2.0, "coulomb_friction": 3.0},
+        )
+    )
     q, v = np.linspace(-1.0, 1.0, 6), np.linspace(-1.0, 1.0, 6)
     extra = Probe(rough, LANE).needed_torque(0.3, q, v) - Probe(free, LANE).needed_torque(0.3, q, v)
     assert extra == pytest.approx(-20.0 + 2.0 * v + 3.0 * np.tanh(v / 0.02))
@@ -337,9 +353,7 @@ def test_every_law_has_a_strict_document(law: str) -> None:
 
 
 def test_a_lane_that_diverges_is_shown_up_to_there() -> None:
-    wild = experiment(
-        {"law": "rbfnn_nftsm"}, simulation={"mode": "sampled", "control_rate": 200.0}
-    )
+    wild = experiment({"law": "rbfnn_nftsm"}, simulation={"mode": "sampled", "control_rate": 200.0})
     seen = look_through(wild, LANE)
     json.dumps(seen, allow_nan=False)
     assert seen["frozen"]["time"] < 2.0
@@ -380,5 +394,6 @@ def test_rounding_keeps_six_digits(value: float) -> None:
 def test_what_is_no_number_becomes_none() -> None:
     assert document(np.array([1.0, np.nan, np.inf])) == [1.0, None, None]
     assert document({"a": float("nan"), "b": (np.float64(2.0), True, "x")}) == {
-        "a": None, "b": [2.0, True, "x"],
+        "a": None,
+        "b": [2.0, True, "x"],
     }

@@ -36,8 +36,12 @@ CALM = {
     "robot": {"inertials": "datasheet", "armature": [0.6] * 3 + [0.15] * 3},
     "lanes": {
         "RBFNN-NFTSM": {
-            "nu": 10, "c": 1, "mu": 0.1, "k1": [80, 80, 40, 8, 8, 8],
-            "k2": [40, 40, 25, 5, 5, 5], "learning_rate": [40, 40, 20, 4, 4, 4],
+            "nu": 10,
+            "c": 1,
+            "mu": 0.1,
+            "k1": [80, 80, 40, 8, 8, 8],
+            "k2": [40, 40, 25, 5, 5, 5],
+            "learning_rate": [40, 40, 20, 4, 4, 4],
         },
         "RBFNN-SMC": None,
         "NFTSM": None,
@@ -193,7 +197,9 @@ def test_a_diverged_lane_says_when_where_and_why_and_only_its_columns_end(served
     freeze = simulate(Experiment.from_document(document)).lanes["Wild"].freeze
     assert freeze is not None
     assert (frozen["time"], frozen["joint"], frozen["cause"]) == (
-        freeze.time, freeze.joint, freeze.cause,
+        freeze.time,
+        freeze.joint,
+        freeze.cause,
     )
     assert answers["Wild"]["metrics"]["diverged_at"] == freeze.time
     time_, *columns = lanes["Wild"]
@@ -280,9 +286,7 @@ def test_a_strip_tries_a_knob_along_its_track(served: Served) -> None:
         assert_same_figures(row, figures(experiment, "NFTSM", trial.patch))
 
 
-def test_sensitivity_begins_with_the_present_and_turns_every_knob_both_ways(
-    served: Served,
-) -> None:
+def test_sensitivity_begins_with_the_present_and_turns_every_knob_both_ways(served: Served) -> None:
     served.http.patch("/api/experiment", json=SHORT)
     experiment = served.studio.document.experiment
     first, *rows = lines(served, "sensitivity", lane="NFTSM", change=0.1)

@@ -54,7 +54,9 @@ def test_a_bad_patch_is_refused_and_loses_nothing(served: Served) -> None:
     bad = {"lanes": {"NFTSM": {"nu": -3, "c": "ten"}}, "robot": {"wings": 2}}
     error = refusal(served.http.patch("/api/experiment", json=bad), 422)
     assert {field["path"] for field in error["fields"]} == {
-        "lanes.NFTSM.nu", "lanes.NFTSM.c", "robot.wings",
+        "lanes.NFTSM.nu",
+        "lanes.NFTSM.c",
+        "robot.wings",
     }
     assert served.http.get("/api/experiment").json() == before
 

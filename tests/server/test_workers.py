@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from server.workers import Workers, WorkerLostError
+from server.workers import WorkerLostError, Workers
 
 
 def double(value: int, cancelled: Callable[[], bool]) -> int:
