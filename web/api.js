@@ -296,7 +296,10 @@ export class Api extends EventTarget {
    */
   fork(branch) { return this.#make(request('POST', '/api/session/fork', branch)); }
 
-  /** @param {Promise<Document>} answer */
+  /**
+   * @param {Promise<any>} answer
+   * @returns {Promise<any>}
+   */
   async #make(answer) {
     const change = await answer;
     this.made.add(change.revision);

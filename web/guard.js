@@ -77,7 +77,8 @@ class Guard {
       element('span', {class: 'visually-hidden'}, `${WORDS[level]}: `),
       others && element('b', {}, `${lanes.join(', ')}: `), message);
     const set = patch && element('button', {
-      class: 'button small', type: 'button', on: {click: () => this.#apply(set, patch)},
+      class: 'button small', type: 'button',
+      on: {click: ({currentTarget}) => this.#apply(currentTarget, patch)},
     }, this.#proposal(patch));
     return element('div', {class: `guard is-${level}`},
       icon(level === 'warning' ? 'warning' : 'info'), text, set);

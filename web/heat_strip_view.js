@@ -122,7 +122,8 @@ export class Strip {
     const at = this.#pointer ?? thumb;
     const cell = cellsOf(COUNT, this.rows, track).find(({right}) => at <= right);
     this.#words.replaceChildren(
-      element('span', {}, this.#failure || this.#at(cell?.row)), this.#rest(),
+      element('span', {}, this.#failure || this.#at(cell?.row)),
+      element('span', {class: 'heat-best'}, this.#rest()),
     );
     const room = (this.slider.parentElement?.clientWidth ?? 0) - this.#words.offsetWidth;
     const left = this.slider.offsetLeft + at - this.#words.offsetWidth / 2;
@@ -150,10 +151,9 @@ export class Strip {
   }
 
   #rest() {
-    if (this.#failure) return null;
     const {length} = this.rows;
-    const text = length < COUNT ? `${length} of ${COUNT}` : this.#summary();
-    return element('span', {class: 'heat-best'}, text);
+    if (this.#failure) return '';
+    return length < COUNT ? `${length} of ${COUNT}` : this.#summary();
   }
 
   #summary() {

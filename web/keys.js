@@ -20,7 +20,7 @@ const HELP = [
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
   ['Ctrl V', 'Import an experiment from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
-  ['Esc', 'Take back what is typed; remove the cursors; close'],
+  ['Esc', 'Take back what is typed; remove cursors; close'],
   ['?', 'This list'],
 ];
 

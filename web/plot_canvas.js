@@ -35,7 +35,7 @@ export class Canvas {
   #message = element('p', {class: 'plots-message'});
   #redraw = new PlotRedraw(this.#graph);
   #ranges = new YRanges();
-  #pace = new RedrawPace(() => this.#draw());
+  #pace;
   /** @type {import('./figure.js').Theme|null} */ #theme = null;
   #touch = matchMedia('(pointer: coarse)');
   #size = {width: 0, height: 0};
@@ -47,8 +47,10 @@ export class Canvas {
    * @param {() => CanvasSheet} sheet what to draw now
    * @param {{zoom: (report: object) => void, live: () => void,
    *   drawn: (axis: TimeAxis|null) => void}} on `drawn`: null where there are no times
+   * @param {number} [share] of the main thread that drawing may take
    */
-  constructor(stage, sheet, on) {
+  constructor(stage, sheet, on, share) {
+    this.#pace = new RedrawPace(() => this.#draw(), share);
     this.#stage = stage;
     this.#sheet = sheet;
     this.#on = on;

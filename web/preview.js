@@ -55,13 +55,17 @@ export class Preview extends EventTarget {
       this.#note();
       this.#want(api.moving ? 'quick' : 'exact');
     });
+    api.addEventListener('connection', () => this.#emit('busy'));
     api.addEventListener('state', () => this.#restarted());
     api.addEventListener('moving', () => { if (!api.moving && !this.current) this.#want('exact'); });
     if (api.connected) this.#note();
   }
 
   /** Whether a run of the live experiment is under way or about to be. */
-  get busy() { return this.#wanted !== null || (this.#running?.kind ?? 'other') !== 'other'; }
+  get busy() {
+    const {connected} = this.#api;
+    return connected && (this.#wanted !== null || (this.#running?.kind ?? 'other') !== 'other');
+  }
 
   /** Whether the latest response is the live experiment's, and exact. */
   get current() {

@@ -14,11 +14,18 @@ export class RedrawPace {
   count = 0;
 
   #draw;
+  #share;
   #waiting = false;
   #earliest = 0;
 
-  /** @param {() => void} draw */
-  constructor(draw) { this.#draw = draw; }
+  /**
+   * @param {() => void} draw
+   * @param {number} [share] of the main thread
+   */
+  constructor(draw, share = SHARE) {
+    this.#draw = draw;
+    this.#share = share;
+  }
 
   /**
    * Ask for a redraw soon.
@@ -44,6 +51,6 @@ export class RedrawPace {
     this.cost = this.count ? 0.8 * this.cost + 0.2 * cost : cost;
     this.count += 1;
     this.#last = before;
-    this.#earliest = before + Math.max(this.cost, cost) / SHARE;
+    this.#earliest = before + Math.max(this.cost, cost) / this.#share;
   }
 }

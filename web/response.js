@@ -30,6 +30,8 @@ import {RESPONSE_VIEWS} from './response_views.js';
 
 const FIRST_JOINTS = [1, 2, 3];
 const NO_HORIZON = 10;
+/** Of the main thread; more than telemetry gets, because a picture comes only after each run. */
+const SHARE = 0.65;
 
 /**
  * @param {HTMLElement} root
@@ -88,7 +90,7 @@ class ResponseScreen {
       zoom: (report) => this.#zoom(report),
       live: () => this.#zoomOut(),
       drawn: (axis) => this.cursors.place(axis),
-    });
+    }, SHARE);
     this.cursors = new Cursors(this.stage, api, {
       read: (time) => responseReadings(this.#content(), time), changed: () => this.#show(),
     });

@@ -261,6 +261,10 @@ def test_nobody_pays_for_a_response_that_is_not_seen(page: Page, dashboard: Dash
     tab.click()
     until_exact(page, dashboard)
     expect(tab).not_to_contain_text("changed")
+    page.get_by_role("switch", name="open on drag").check()
+    page.locator("[data-view=live]").click()
+    type_in(page, "lanes.RBFNN-NFTSM.nu", "1")
+    expect(tab).to_have_attribute("aria-selected", "true")
 
 
 def test_a_diverged_lane_says_when_where_and_why(page: Page, dashboard: Dashboard) -> None:

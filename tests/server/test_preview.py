@@ -77,6 +77,12 @@ def preview(served: Served, **body: Any) -> tuple[Body, dict[str, Array]]:
     return decoded(answer.content)
 
 
+def solo(served: Served) -> Body:
+    """Return the live experiment with its last lane alone."""
+    document = served.studio.document.experiment.document()
+    return {**document, "lanes": {"NFTSM": document["lanes"]["NFTSM"]}}
+
+
 def lines(served: Served, kind: str, **body: Any) -> list[Body]:
     """Return the rows of a study; every line must be one JSON object."""
     answer = served.http.post(f"/api/studies/{kind}", json=body)
@@ -207,6 +213,17 @@ def test_a_diverged_lane_says_when_where_and_why_and_only_its_columns_end(served
     after = time_ > freeze.time
     assert after.any()
     assert np.isnan(np.array(columns)[:, after]).all()
+
+
+def test_paths_are_drawn_in_the_scene_left_there_and_taken_away(served: Served) -> None:
+    paths = served.studio.view.scene._responses
+    preview(served, patch=SHORT, show=True)
+    wait_for(lambda: paths._drawn == 3, "three paths in the scene")
+    preview(served, patch=SHORT)
+    preview(served, patch=SHORT, show=True, experiment=solo(served))
+    wait_for(lambda: paths._drawn == 1, "one path in the scene")
+    preview(served, patch=SHORT, show=False)
+    wait_for(lambda: paths._drawn == 0, "no path in the scene")
 
 
 # One request after another

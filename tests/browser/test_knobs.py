@@ -1,0 +1,210 @@
+"""Which knob, which way: strips, ranking, remarks, edits and branches on the screen."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.conftest import Dashboard
+
+PROPOSED = "RBFNN-NFTSM"
+SLOW = 60_000
+"""Longest that a study may take in milliseconds, on a machine with other things to do."""
+
+
+@pytest.fixture
+def screen(dashboard: Dashboard, page: Page) -> Page:
+    """The dashboard with runs of one second, so that a study is short."""
+    change(dashboard, {"simulation": {"horizon": 1.0}})
+    page.goto(dashboard.url)
+    expect(page.locator(".knob-tools")).to_be_visible(timeout=SLOW)
+    return page
+
+
+def change(dashboard: Dashboard, patch: dict[str, Any]) -> None:
+    answer = dashboard.client.patch("/api/experiment", json=patch)
+    assert answer.status_code == 200, answer.text
+
+
+def experiment(dashboard: Dashboard) -> dict[str, Any]:
+    document: dict[str, Any] = dashboard.client.get("/api/experiment").json()["experiment"]
+    return document
+
+
+def control(page: Page, path: str) -> Locator:
+    return page.locator(f'.control[data-path="{path}"]')
+
+
+def box(page: Page, path: str) -> Locator:
+    return control(page, path).locator(".control-input > .number-box")
+
+
+def slider(page: Page, path: str) -> Locator:
+    return control(page, path).locator(".control-input > .slider")
+
+
+def select(page: Page, lane: str) -> None:
+    page.locator(f'.lane[data-lane="{lane}"] .lane-pick').click()
+    expect(page.locator(".gains-head h2")).to_have_text(lane)
+
+
+def study(dashboard: Dashboard, kind: str, **body: Any) -> list[dict[str, Any]]:
+    answer = dashboard.client.post(f"/api/studies/{kind}", json=body, timeout=SLOW / 1000)
+    assert answer.status_code == 200, answer.text
+    return [json.loads(line) for line in answer.text.splitlines()]
+
+
+def test_a_strip_lies_along_the_track_and_names_the_best_position(
+    dashboard: Dashboard, screen: Page
+) -> None:
+    select(screen, "NFTSM")
+    path = "lanes.NFTSM.c"
+    slider(screen, path).hover()
+    words = control(screen, path).locator(".heat-best")
+    expect(words).to_contain_text("best near", timeout=SLOW)
+    rows = study(dashboard, "strip", lane="NFTSM", field="c", count=20)
+    best = min((row for row in rows if row["state"] == "good"), key=lambda row: row["mae"])
+    shown = re.fullmatch(r"best near (\S+): (\S+) mrad", words.inner_text())
+    assert shown is not None
+    assert float(shown[1]) == float(f"{best['value']:.2g}")
+    assert float(shown[2]) == float(f"{1000 * best['mae']:.3g}")
+    strip = control(screen, path).locator(".heat-strip").bounding_box()
+    track = slider(screen, path).bounding_box()
+    assert strip is not None
+    assert track is not None
+    assert strip["x"] == pytest.approx(track["x"], abs=1.0)
+    assert strip["width"] == pytest.approx(track["width"], abs=1.0)
+
+
+def test_a_strip_leaves_with_the_pointer_and_comes_with_the_keyboard(screen: Page) -> None:
+    path = f"lanes.{PROPOSED}.mu"
+    slider(screen, path).hover()
+    strip = control(screen, path).locator(".heat-strip")
+    expect(strip).to_be_visible(timeout=SLOW)
+    screen.mouse.move(2, 2)
+    expect(strip).to_have_count(0)
+    box(screen, f"lanes.{PROPOSED}.c").focus()
+    for _ in range(4):
+        if slider(screen, path).evaluate("node => node === document.activeElement"):
+            break
+        screen.keyboard.press("Tab")
+    aloud = control(screen, path).locator(".control-input [role=status]")
+    expect(aloud).to_contain_text(re.compile("best near|no difference"), timeout=SLOW)
+
+
+def test_a_strip_of_another_experiment_is_not_shown(dashboard: Dashboard, screen: Page) -> None:
+    path = f"lanes.{PROPOSED}.c"
+    slider(screen, path).hover()
+    words = control(screen, path).locator(".heat-best")
+    expect(words).to_contain_text("best near", timeout=SLOW)
+    before = words.inner_text()
+    change(dashboard, {"lanes": {PROPOSED: {"k1": 300.0}}})
+    expect(words).not_to_have_text(before)
+    expect(words).to_contain_text("best near", timeout=SLOW)
+
+
+def test_a_bar_moves_its_slider_and_undo_brings_it_back(dashboard: Dashboard, screen: Page) -> None:
+    screen.get_by_role("button", name="Which knob next?").click()
+    up = screen.get_by_role("button", name=re.compile(r"^Velocity gain \+10 %"))
+    down = screen.get_by_role("button", name=re.compile(r"^Velocity gain −10 %"))
+    expect(screen.locator(".tornado-progress")).to_be_hidden(timeout=SLOW)
+    rows = study(dashboard, "sensitivity", lane=PROPOSED)
+    effects = {row["factor"]: row["mae"] / rows[0]["mae"] - 1 for row in rows if row["name"] == "c"}
+    for bar, factor in ((up, 1.1), (down, 0.9)):
+        words = bar.locator(".tornado-words").inner_text().replace("−", "-")
+        shown = float(words.removeprefix("MAE ").removesuffix(" %"))
+        assert shown == pytest.approx(100 * effects[factor], abs=0.06 + 0.05 * abs(shown))
+    up.click()
+    expect(box(screen, f"lanes.{PROPOSED}.c")).to_have_value("11")
+    assert experiment(dashboard)["lanes"][PROPOSED]["c"] == pytest.approx(11.0)
+    expect(screen.locator(".tornado-stale")).to_contain_text("has changed")
+    screen.get_by_role("button", name="Undo").click()
+    expect(box(screen, f"lanes.{PROPOSED}.c")).to_have_value("10")
+
+
+def test_a_remark_stands_at_its_control_and_its_button_sets_the_value(
+    dashboard: Dashboard, screen: Page
+) -> None:
+    remark = control(screen, f"lanes.{PROPOSED}.nu").locator(".guard")
+    expect(remark).to_contain_text("c/ν = 33.3 s")
+    remark.get_by_role("button", name="Set ν = 30").click()
+    expect(box(screen, f"lanes.{PROPOSED}.nu")).to_have_value("30")
+    assert experiment(dashboard)["lanes"][PROPOSED]["nu"] == 30.0
+    expect(remark).to_have_count(0)
+    screen.get_by_role("button", name="Undo").click()
+    expect(box(screen, f"lanes.{PROPOSED}.nu")).to_have_value("0.3")
+    expect(remark).to_be_visible()
+
+
+def test_remarks_on_other_lanes_are_a_badge_in_the_list(screen: Page) -> None:
+    badge = screen.locator('.lane[data-lane="NFTSM"] .guard-badge')
+    expect(badge).to_have_attribute("title", re.compile("c/ν"))
+    expect(screen.locator(f'.lane[data-lane="{PROPOSED}"] .guard-badge')).to_have_count(0)
+    select(screen, "NFTSM")
+    expect(badge).to_have_count(0)
+    expect(control(screen, "lanes.NFTSM.nu").locator(".guard")).to_be_visible()
+
+
+def test_a_refused_exponent_says_its_bounds_at_the_control(screen: Page) -> None:
+    path = f"lanes.{PROPOSED}.p"
+    box(screen, path).fill("9")
+    box(screen, path).press("Enter")
+    alert = control(screen, path).locator(".control-alert")
+    expect(alert).to_contain_text("p/k must lie between 1 and 2")
+    expect(box(screen, path)).to_have_value("5")
+
+
+def test_edits_are_listed_with_their_author_and_can_be_gone_back_to(
+    dashboard: Dashboard, screen: Page
+) -> None:
+    box(screen, f"lanes.{PROPOSED}.c").fill("7")
+    box(screen, f"lanes.{PROPOSED}.c").press("Tab")
+    expect(screen.get_by_role("button", name="Undo")).to_be_enabled()
+    screen.keyboard.press("h")
+    first = screen.locator(".edits-item").first
+    expect(first).to_contain_text(re.compile(r"you.*c of RBFNN-NFTSM 10 → 7", re.DOTALL))
+    change(dashboard, {"lanes": {PROPOSED: {"nu": 3.0}}})
+    expect(first).to_contain_text(re.compile(r"a program.*ν of RBFNN-NFTSM 0.3 → 3", re.DOTALL))
+    screen.get_by_role("button", name="Back to here").first.click()
+    expect(box(screen, f"lanes.{PROPOSED}.nu")).to_have_value("0.3")
+    expect(box(screen, f"lanes.{PROPOSED}.c")).to_have_value("7")
+    expect(first).to_contain_text("you")
+    screen.keyboard.press("Escape")
+    expect(screen.locator(".edits")).to_be_hidden()
+    screen.get_by_role("button", name="Undo").click()
+    expect(box(screen, f"lanes.{PROPOSED}.nu")).to_have_value("3")
+
+
+def test_looking_back_pauses_and_the_way_back_plays_on(screen: Page) -> None:
+    screen.get_by_role("button", name="Past").click()
+    moment = screen.get_by_label("Moment to look at")
+    expect(moment).to_be_enabled()
+    moment.focus()
+    moment.press("Home")
+    expect(screen.locator(".scrub-ago")).to_contain_text("s ago")
+    expect(screen.get_by_role("button", name="Play", exact=True)).to_be_visible()
+    screen.get_by_role("button", name="Back to now").click()
+    expect(screen.locator(".scrub-ago")).to_have_text("now")
+    expect(screen.get_by_role("button", name="Pause", exact=True)).to_be_visible()
+
+
+def test_a_fork_adds_a_lane_and_selects_it(dashboard: Dashboard, screen: Page) -> None:
+    screen.get_by_role("button", name="Past").click()
+    moment = screen.get_by_label("Moment to look at")
+    expect(moment).to_be_enabled()
+    moment.focus()
+    moment.press("Home")
+    screen.get_by_role("button", name="Fork here").click()
+    screen.get_by_label("Name of the lane").fill("Variant")
+    screen.get_by_role("button", name="Fork", exact=True).click()
+    expect(screen.locator(".gains-head h2")).to_contain_text("Variant")
+    lanes = experiment(dashboard)["lanes"]
+    assert lanes["Variant"] == lanes[PROPOSED]
+    expect(screen.locator(".scrub")).to_be_hidden()
+    expect(screen.get_by_role("button", name="Pause", exact=True)).to_be_visible()
+    screen.get_by_role("button", name="Undo").click()
+    expect(screen.locator(".lane")).to_have_count(3)
