@@ -73,11 +73,11 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     layer = sufficient_layer(packed, name) if hasattr(lane, "epsilon") else None
     if layer is not None:
         wide = f"{_span(layer)} rad/s"
-        instead = f", or a control rate of {_short(rate)} Hz" if rate is not None else ""
+        instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
         text = f"{rule}a limit cycle. Most of it is k₂/ε: it would take ε = {wide}{instead}."
         yield Note("warning", f"lanes.{name}.epsilon", text, {"lanes": {name: {"epsilon": layer}}})
         return
-    ways = [] if rate is None else [f"{_short(rate)} Hz"]
+    ways = [] if rate is None else [f"{rate:g} Hz"]
     ways += [f"gains {_short(gamma / limit)} times lower", "more armature"]
     ways += ["a shorter delay"] if late else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS

@@ -46,8 +46,9 @@ export class FieldNames {
    * @returns {string}
    */
   assignment(path, value) {
-    const {symbol, title} = this.of(path);
-    return `${flat(symbol) || title} = ${valueText(value)}`;
+    const {symbol, title, unit} = this.of(path);
+    if (symbol) return `${flat(symbol)} = ${valueText(value)}`;
+    return `${title.charAt(0).toLowerCase()}${title.slice(1)} = ${valueText(value, unit)}`;
   }
 
   /** @param {readonly string[]} path */

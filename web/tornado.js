@@ -122,6 +122,8 @@ export class Tornado {
     this.#showStale();
   }
 
+  get #present() { return this.#rows.find((row) => row.present); }
+
   #depends() {
     const {lanes, title, description, ...world} = this.#desk.api.experiment;
     const lane = this.#desk.api.selected;
@@ -141,9 +143,8 @@ export class Tornado {
 
   #draw() {
     const metric = this.#desk.metric.chosen;
-    const present = this.#rows.find((row) => row.present);
-    const now = present?.[metric.id] ?? null;
-    this.#now.textContent = wordsOfNow(present, metric, this.#lane);
+    const now = this.#present?.[metric.id] ?? null;
+    this.#now.textContent = wordsOfNow(this.#present, metric, this.#lane);
     // Nothing changes its place before all is known: a bar must not slip from under the pointer.
     const knobs = knobsOf(this.#rows, metric, now, this.#progress.hidden);
     const strong = knobs.filter(({reach}) => reach > LEAST);
@@ -155,8 +156,8 @@ export class Tornado {
     const same = focused && this.#list.querySelector(`[data-trial="${focused}"]`);
     if (same) /** @type {HTMLElement} */ (same).focus();
     const done = this.#progress.hidden && this.#rows.length > 1;
-    this.#idle.textContent = done && idle.length
-      ? `No effect: ${idle.map(({name}) => this.#symbol(name)).join(', ')}.` : '';
+    const names = idle.flatMap(({name}) => [', ', this.#sign(name)]).slice(1);
+    this.#idle.replaceChildren(...(done && names.length ? ['No effect: ', ...names, '.'] : []));
     this.#showStale();
   }
 
@@ -169,14 +170,20 @@ export class Tornado {
     return flat(sign) || title;
   }
 
+  /** @param {string} name of a gain */
+  #sign(name) {
+    const {symbol: sign, title} = this.#named(name);
+    return sign ? symbol(sign) : title;
+  }
+
   /**
    * @param {Knob} knob
    * @param {number|null} now
    * @param {number} greatest
    */
   #item({name, rows}, now, greatest) {
-    const {symbol: sign, title} = this.#named(name);
-    const head = element('span', {class: 'tornado-name', title}, sign ? symbol(sign) : title);
+    const {title} = this.#named(name);
+    const head = element('span', {class: 'tornado-name', title}, this.#sign(name));
     return element('li', {class: 'tornado-knob'}, head, ...rows.map((row) => (
       this.#bar(row, now, greatest)
     )));
@@ -191,7 +198,7 @@ export class Tornado {
     const metric = this.#desk.metric.chosen;
     const effect = effectOf(row, metric, now);
     const percent = `${row.factor && row.factor < 1 ? '−' : '+'}${Math.round(CHANGE * 100)} %`;
-    const words = wordsOf(row, metric, effect);
+    const words = wordsOf(row, metric, this.#present);
     const {unit} = this.#named(row.name);
     const bar = element('span', {class: `tornado-bar ${kindOf(row, effect)}`});
     const length = Number.isFinite(effect) ? Math.min(1, Math.abs(effect) / greatest) : 1;
@@ -222,13 +229,13 @@ export class Tornado {
 
   #summary() {
     const metric = this.#desk.metric.chosen;
-    const now = this.#rows.find((row) => row.present)?.[metric.id] ?? null;
+    const now = this.#present?.[metric.id] ?? null;
     const better = this.#rows
       .filter((row) => !row.present && effectOf(row, metric, now) < -LEAST)
       .sort((a, b) => effectOf(a, metric, now) - effectOf(b, metric, now))[0];
     if (!better) return 'No knob makes it better by ten percent up or down.';
     const percent = `${better.factor && better.factor < 1 ? 'down' : 'up'} 10 percent`;
     return `Most is gained with ${this.#named(better.name).title} ${percent}: `
-      + `${wordsOf(better, metric, effectOf(better, metric, now))}.`;
+      + `${wordsOf(better, metric, this.#present)}.`;
   }
 }

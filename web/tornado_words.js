@@ -57,19 +57,24 @@ export function kindOf({state}, effect) {
 /**
  * @param {StudyRow} row
  * @param {Metric} metric
- * @param {number} effect
- * @returns {string} such as `MAE −4.1 %`
+ * @param {StudyRow|undefined} present how it stands before any knob is turned
+ * @returns {string} such as `MAE −4.1 %`; where it begins or ceases to chatter, that first
  */
-export function wordsOf(row, metric, effect) {
+export function wordsOf(row, metric, present) {
   if (row.state === 'diverged') return 'diverges';
   if (row.state === 'refused') return 'refused';
+  const effect = effectOf(row, metric, present?.[metric.id] ?? null);
   const figure = row[metric.id];
   if (!Number.isFinite(effect)) return figure === null ? '' : figureText(metric, figure);
   const percent = Math.abs(100 * effect);
   const sign = effect < 0 ? '−' : '+';
   const size = percent < 0.05 ? '±0' : `${sign}${percent.toFixed(percent < 10 ? 1 : 0)}`;
-  return `${metric.short} ${size} %${row.state === 'chattering' ? ', chatters' : ''}`;
+  const news = row.state === present?.state ? metric.short : ceasing(row);
+  return `${news} ${size} %`;
 }
+
+/** @param {StudyRow} row */
+function ceasing({state}) { return state === 'chattering' ? 'chatters,' : 'calm,'; }
 
 /**
  * @param {StudyRow|undefined} present
