@@ -12,6 +12,7 @@ import numpy as np
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
+from server.bench_preview import measure_drag
 from server.bench_result import Measurement, measurement
 from server.bench_server import (
     RunningServer,
@@ -149,6 +150,8 @@ def _with_client(quick: bool, progress: Callable[[float], None]) -> tuple[float,
             rows = _pace(server, connection, thread, 1.0 if quick else 10.0)
             progress(0.6)
             rows.append(_latency(connection, 10 if quick else 200))
+        progress(0.8)
+        rows += measure_drag(server.port, quick)
     return server.ready, rows
 
 
