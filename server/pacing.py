@@ -27,13 +27,13 @@ class Pacer:
     def __init__(self, clock: Callable[[], float] = perf_counter) -> None:
         """Start with an empty budget at speed 1."""
         self.speed = 1.0
-        self.capped = False
         self._clock = clock
-        self._capped_at = -1e9
         self.restart()
 
     def restart(self) -> None:
         """Forget the budget and the measurements, as after a pause."""
+        self.capped = False
+        self._capped_at = -1e9
         self._budget = 0.0
         self._simulated = 0.0
         self._last = self._clock()
