@@ -118,7 +118,7 @@ def test_what_was_tuned_in_a_lesson_can_be_kept(learner: Page, dashboard: Dashbo
         if page.locator(".lesson-guess").count():
             page.get_by_role("button", name="Skip the guess").click()
             expect(page.locator(".lesson-verdict")).to_contain_text("What happens")
-        page.get_by_role("button", name="Next").click()
+        page.get_by_role("button", name="Next", exact=True).click()
         at_step(page, step + 1)
     page.get_by_role("button", name="Keep this experiment").click()
     expect(page.locator(".lesson-row")).to_have_count(6)
