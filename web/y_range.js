@@ -53,7 +53,10 @@ export function wanted(running, frozen) {
 
 /** @param {Range} range */
 function padded([low, high]) {
-  const span = high - low || 0.2 * Math.abs(high) || 1;
+  // Less than a float32 can tell apart, or than Plotly can lay ticks along, counts as nothing.
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  const told = high - low > Math.max(1e-12, 1e-7 * size);
+  const span = told ? high - low : size > 1e-9 ? 0.2 * size : 1;
   const middle = (low + high) / 2;
   const half = span * (0.5 + PADDING);
   return /** @type {Range} */ ([middle - half, middle + half]);
