@@ -16,7 +16,7 @@ LOCK_VENV = build/lock
 NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
 
 .DEFAULT_GOAL = help
-.PHONY: help run install test check format bench lock clean always libgomp
+.PHONY: help run install test check format bench soak faults fuzz peers lock clean always libgomp
 
 help:  ## Show this list
 	@echo 'make run      then open the address that it prints'
@@ -47,6 +47,18 @@ format: $(INSTALLED)  ## Lay the code out and sort its imports
 
 bench: $(INSTALLED)  ## Measure the time of a control step
 	$(VENV_PYTHON) -m server bench $(ARGS)
+
+soak: $(INSTALLED)  ## Serve many clients, then run for half an hour: ARGS="--minutes 2"
+	$(VENV_PYTHON) -m tests.trust.soak $(ARGS)
+
+faults: $(INSTALLED)  ## Kill, suspend, fill and break things, and see that nothing is lost
+	$(VENV_PYTHON) -m tests.trust.faults $(ARGS)
+
+fuzz: $(INSTALLED)  ## Feed it more than 100,000 wrong inputs
+	$(VENV_PYTHON) -m tests.trust.fuzz $(ARGS)
+
+peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in build/)
+	$(VENV_PYTHON) -m tests.peers.compare $(ARGS)
 
 lock:  ## Write requirements.lock anew with today's versions
 	$(LOCK_PYTHON) -m venv --clear $(LOCK_VENV)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,35 +80,18 @@ def _chain() -> Array:
 
 @kernel
 def _flange_positions(chain, angles, out):  # type: ignore[no-untyped-def]
-    rotation = np.empty((3, 3))
-    turned = np.empty((3, 3))
+    """Carry the flange's centre from frame to frame, from the last joint back to the base."""
     for row in range(angles.shape[0]):
-        rotation[:] = 0.0
-        x = y = z = 0.0
-        for i in range(3):
-            rotation[i, i] = 1.0
-        for joint in range(JOINTS + 1):
+        x, y, z = chain[JOINTS, 0, 3], chain[JOINTS, 1, 3], chain[JOINTS, 2, 3]
+        for joint in range(JOINTS - 1, -1, -1):
             place = chain[joint]
-            x += rotation[0, 0] * place[0, 3] + rotation[0, 1] * place[1, 3]
-            x += rotation[0, 2] * place[2, 3]
-            y += rotation[1, 0] * place[0, 3] + rotation[1, 1] * place[1, 3]
-            y += rotation[1, 2] * place[2, 3]
-            z += rotation[2, 0] * place[0, 3] + rotation[2, 1] * place[1, 3]
-            z += rotation[2, 2] * place[2, 3]
-            if joint == JOINTS:
-                break
-            c, s = np.cos(angles[row, joint]), np.sin(angles[row, joint])
-            for i in range(3):
-                for k in range(3):
-                    turned[i, k] = (
-                        rotation[i, 0] * place[0, k]
-                        + rotation[i, 1] * place[1, k]
-                        + rotation[i, 2] * place[2, k]
-                    )
-            for i in range(3):
-                rotation[i, 0] = c * turned[i, 0] + s * turned[i, 1]
-                rotation[i, 1] = c * turned[i, 1] - s * turned[i, 0]
-                rotation[i, 2] = turned[i, 2]
+            c, s = cos(angles[row, joint]), sin(angles[row, joint])
+            x, y = c * x - s * y, s * x + c * y
+            x, y, z = (
+                place[0, 0] * x + place[0, 1] * y + place[0, 2] * z + place[0, 3],
+                place[1, 0] * x + place[1, 1] * y + place[1, 2] * z + place[1, 3],
+                place[2, 0] * x + place[2, 1] * y + place[2, 2] * z + place[2, 3],
+            )
         out[row, 0], out[row, 1], out[row, 2] = x, y, z
 
 

@@ -88,7 +88,7 @@ class ClosedLoop:
             self.lanes[name] = lane
 
     def step(self) -> int:
-        """Step every lane that runs; a lane that leaves its bounds freezes, the others go on.
+        """Step every lane that runs; one that leaves its bounds, or whose law fails, freezes.
 
         Returns:
             The row of the lanes' records that was written.
@@ -96,9 +96,13 @@ class ClosedLoop:
         time, number, row = self.time, self.number, self.number % self.rows
         for lane in self.lanes.values():
             if lane.freeze is None:
-                joint = lane.step(time, number, row)
-                if joint:
-                    lane.stop(self.packed, time, joint)
+                try:
+                    joint = lane.step(time, number, row)
+                except Exception as error:
+                    lane.fail(self.packed, time, row, error)
+                else:
+                    if joint:
+                        lane.stop(self.packed, time, joint, row)
             else:
                 lane.hold(self.packed, time, row)
         self.number = number + 1

@@ -65,8 +65,12 @@ numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
 
 
 def kernel(function: Function) -> Function:
-    """Compile ``function`` without the interpreter's lock and keep the result on disk."""
-    compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    """Compile ``function`` and keep the result on disk.
+
+    It keeps the interpreter's lock: it ends long before another thread would be given a turn, and
+    a thread that steps in real time would have to ask for the lock again after each call.
+    """
+    compiled: Any = numba.njit(cache=True, error_model="numpy")(function)
     return cast(Function, compiled)
 
 

@@ -6,7 +6,7 @@ With the published gains the closed loop is far too stiff for any explicit schem
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite
 
 from robot.compiled import kernel
 from robot.quantity import JOINTS
@@ -20,8 +20,10 @@ from robot.workspace import (
     HALF,
     HELD,
     HIDDEN,
+    KEPT,
     LEAKAGE,
     LEARNING,
+    LEARNT,
     MATRIX,
     NETWORK,
     NETWORK_SLOPE,
@@ -73,26 +75,33 @@ def _fill(h, base, inertia, bias, limits, work):  # type: ignore[no-untyped-def]
     for i in range(JOINTS):
         for j in range(JOINTS):
             work[MATRIX + i, j] = inertia[i, j]
-        work[MATRIX + i, i] += h * work[F_SLOPE, i]
-        work[RIGHT, i] = work[TAU, i] - bias[i] - work[F, i]
+        lost = bias[i] + work[F, i]
+        diagonal = inertia[i, i] + h * work[F_SLOPE, i]
         if work[HELD, i] != 0.0:
-            work[RIGHT, i] = work[HELD, i] * limits[i] - bias[i] - work[F, i]
+            work[MATRIX + i, i], work[RIGHT, i] = diagonal, work[HELD, i] * limits[i] - lost
             continue
-        s_v, s_e = work[S_V, i], work[S_E, i]
-        lag = work[VD, i] - work[base + V, i]
-        slope = work[NETWORK_SLOPE, i]
-        work[MATRIX + i, i] += h * h * slope * (s_v + h * s_e)
-        work[RIGHT, i] += h * slope * (work[S, i] + h * (s_v * work[AD, i] + s_e * lag))
-        work[RIGHT, i] -= h * work[LEAKAGE, i] * work[NETWORK, i]
+        s_v, s_e, slope = work[S_V, i], work[S_E, i], work[NETWORK_SLOPE, i]
+        ahead = h * (s_v * work[AD, i] + s_e * (work[VD, i] - work[base + V, i]))
+        gain = h * slope if shaped else h * slope + work[GAIN, i]
+        work[MATRIX + i, i] = diagonal + h * gain * (s_v + h * s_e)
+        learning = h * (slope * work[S, i] - work[LEAKAGE, i] * work[NETWORK, i])
+        work[RIGHT, i] = work[TAU, i] - lost + learning + gain * ahead
+    if shaped:
+        _shape(h, base, work)
+
+
+@kernel
+def _shape(h, base, work):  # type: ignore[no-untyped-def]
+    """Add damping and stiffness that SHAPE spreads over all joints."""
+    for i in range(JOINTS):
+        if work[HELD, i] != 0.0:
+            continue
         for j in range(JOINTS):
-            if not shaped and i != j:
-                continue
-            share = work[SHAPE + i, j] if shaped else 1.0
-            damping = share * work[GAIN, j] * work[S_V, j]
-            stiffness = share * work[GAIN, j] * work[S_E, j]
-            lag = work[VD, j] - work[base + V, j]
-            work[MATRIX + i, j] += h * (damping + h * stiffness)
-            work[RIGHT, i] += h * (damping * work[AD, j] + stiffness * lag)
+            gain = h * work[SHAPE + i, j] * work[GAIN, j]
+            damping, stiffness = gain * work[S_V, j], gain * work[S_E, j]
+            work[MATRIX + i, j] += damping + h * stiffness
+            work[RIGHT, i] += damping * work[AD, j]
+            work[RIGHT, i] += stiffness * (work[VD, j] - work[base + V, j])
 
 
 @kernel
@@ -100,7 +109,7 @@ def _saturate(h, base, inertia, bias, limits, work):  # type: ignore[no-untyped-
     """Mark the joints whose torque at the end of the step would pass its limit."""
     changed = False
     for i in range(JOINTS):
-        if work[HELD, i] != 0.0:
+        if work[HELD, i] != 0.0 or limits[i] == inf:
             continue
         torque = bias[i] + work[F, i] + h * work[F_SLOPE, i] * work[RIGHT, i]
         for j in range(JOINTS):
@@ -145,10 +154,12 @@ def implicit_step(h, base, target, inertia, bias, limits, work):  # type: ignore
         s_next = work[S, j] + h * (
             work[S_V, j] * (work[AD, j] - a) + work[S_E, j] * (work[VD, j] - v_next)
         )
-        rate, leak = h * work[LEARNING, j], h * work[LEAKAGE, j]
-        for n in range(NODES):
-            weight = work[base + W + n, j]
-            work[target + W + n, j] = weight + rate * work[HIDDEN + n, j] * s_next - leak * weight
+        work[LEARNT, j] = h * work[LEARNING, j] * s_next
+        work[KEPT, j] = 1.0 - h * work[LEAKAGE, j]
+    for n in range(NODES):
+        for j in range(JOINTS):
+            kept = work[KEPT, j] * work[base + W + n, j]
+            work[target + W + n, j] = kept + work[LEARNT, j] * work[HIDDEN + n, j]
 
 
 @kernel
@@ -158,9 +169,12 @@ def within_bounds(base, work):  # type: ignore[no-untyped-def]
         q, v = work[base + Q, j], work[base + V, j]
         if not (abs(q) <= MAX_ANGLE and abs(v) <= MAX_VELOCITY):
             return j + 1
+        # One sum instead of ten questions: it isn't finite if a weight is not.
+        weights = 0.0
         for n in range(NODES):
-            if not isfinite(work[base + W + n, j]):
-                return j + 1
+            weights += work[base + W + n, j]
+        if not isfinite(weights):
+            return j + 1
     return 0
 
 

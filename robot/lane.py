@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
 
+from robot.experiment import Simulation
 from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from robot.laws import LAWS
 from robot.packed import Packed
@@ -13,9 +15,11 @@ from robot.quantity import JOINTS
 from robot.stability import margin_limit, sampling_margin, sufficient_rate
 from robot.steps import Step, bind_step, torques_on_the_way
 from robot.trajectory import reference
-from robot.workspace import PUSH, QD, RECORD, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
+from robot.workspace import PUSH, QD, RECORD, RECORD_COLUMNS, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
 
 Array = np.ndarray
+
+log = logging.getLogger("slidetune.lane")
 
 DESIRED = RECORD.index("q_d") * JOINTS
 """First column of a record that holds the desired motion."""
@@ -27,13 +31,13 @@ class Freeze:
 
     Attributes:
         time: when it left its bounds in [s].
-        joint: which joint, from 1.
+        joint: which joint, from 1; ``None`` where the law itself failed.
         cause: what happened and what to do, in words.
         gamma: the sampling margin where that is the reason, else ``None``.
     """
 
     time: float
-    joint: int
+    joint: int | None
     cause: str
     gamma: float | None = None
 
@@ -92,25 +96,75 @@ class Lane:
         self.record[row] = self.record[row - 1]
         self.record[row, DESIRED:] = self.work[QD : VD + 1].ravel()
 
-    def stop(self, packed: Packed, time: float, joint: int) -> None:
-        """Freeze at the last finite state and say why."""
-        gamma = sampling_margin(packed, self.name, self.work[Q])
+    def stop(self, packed: Packed, time: float, joint: int, row: int) -> None:
+        """Freeze at the last finite state and say why.
+
+        Args:
+            packed: the experiment as numbers.
+            time: time of the step that failed in [s].
+            joint: which joint left its bounds, from 1.
+            row: row of the record that the step wrote.
+        """
+        lost = np.isnan(self.work[TAU])
+        self._mend(packed, time, row)
+        if lost.any():
+            joint = int(lost.argmax()) + 1
+            cause = f"The law's torque at joint {joint} was not a number at {time:.3f} s."
+            self.freeze = Freeze(time, joint, f"{cause} Choose other gains, then reset.")
+            return
         cause = (
             f"Joint {joint} left its bounds (±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s) "
             f"at {time:.3f} s."
         )
         simulation = packed.experiment.simulation
-        limit = margin_limit(simulation)
-        if simulation.mode == "sampled" and gamma > limit:
-            late = " and its input delay" if simulation.input_delay else ""
-            rate = sufficient_rate(simulation, gamma)
-            faster = f", or sample at {rate:.3g} Hz" if rate is not None else ""
-            cause += (
-                f" The gains are too high for {simulation.control_rate:g} Hz{late}: "
-                f"γ = {gamma:.3g} where a sampled loop needs less than {limit:.3g}. "
-                f"Lower k₁ or k₂/ε, add armature{faster}."
+        if simulation.mode == "sampled":
+            gamma, limit = (
+                sampling_margin(packed, self.name, self.work[Q]),
+                margin_limit(simulation),
             )
-            self.freeze = Freeze(time, joint, cause, gamma)
-            return
+            if gamma > limit:
+                cause += _too_high(simulation, gamma, limit)
+                self.freeze = Freeze(time, joint, cause, gamma)
+                return
         cause += " Lower the gains or the disturbance, then reset."
         self.freeze = Freeze(time, joint, cause)
+
+    def fail(self, packed: Packed, time: float, row: int, error: Exception) -> None:
+        """Freeze because the law raised ``error``; the other arguments are those of ``stop``."""
+        law = packed.experiment.lanes[self.name].law
+        log.error("Lane %s: the law %s failed at %.3f s.", self.name, law, time, exc_info=error)
+        self.record[row] = np.nan
+        self._mend(packed, time, row)
+        text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        cause = f"The law {law} failed at {time:.3f} s: {text}. Choose another law, then reset."
+        self.freeze = Freeze(time, None, cause)
+
+    def _mend(self, packed: Packed, time: float, row: int) -> None:
+        """Put what is finite in the place of all that isn't, in the state and in the last row."""
+        work, started = self.work, time > 0.0
+        reference(time, packed.trajectory, work)
+        known = self.record[row - 1].copy() if started else np.zeros(RECORD_COLUMNS)
+        last = np.zeros((STATE_ROWS, JOINTS))
+        last[Q], last[V] = known[: 2 * JOINTS].reshape(2, JOINTS) if started else work[[QD, VD]]
+        _replace_broken(work[:STATE_ROWS], last)
+        _replace_broken(work[TAU], np.zeros(JOINTS))
+        known[: 2 * JOINTS] = work[[Q, V]].ravel()
+        known[DESIRED:] = work[QD : VD + 1].ravel()
+        _replace_broken(self.record[row], known)
+
+
+def _replace_broken(values: Array, known: Array) -> None:
+    broken = ~np.isfinite(values)
+    values[broken] = known[broken]
+
+
+def _too_high(simulation: Simulation, gamma: float, limit: float) -> str:
+    """Say what a sampled loop of that margin would take."""
+    late = " and its input delay" if simulation.input_delay else ""
+    rate = sufficient_rate(simulation, gamma)
+    faster = f", or sample at {rate:.3g} Hz" if rate is not None else ""
+    return (
+        f" The gains are too high for {simulation.control_rate:g} Hz{late}: "
+        f"γ = {gamma:.3g} where a sampled loop needs less than {limit:.3g}. "
+        f"Lower k₁ or k₂/ε, add armature{faster}."
+    )

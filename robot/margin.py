@@ -8,11 +8,13 @@ import numpy as np
 import pinocchio as pin
 
 from robot.disturbance import LIMIT, SENSOR
+from robot.dynamics import dynamics
 from robot.experiment import Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.trajectory import QUINTIC, reference
+from robot.wiring import wire
 from robot.workspace import FLAGS, GAIN, QD, RECORD_COLUMNS, S_V, SHAPE, WORK_ROWS, Q, V
 
 Array = np.ndarray
@@ -39,15 +41,15 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     law = LAWS[packed.experiment.lanes[name].law]
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
-    model = packed.nominal or packed.model
-    data = model.createData()
-    M = pin.crba(model, data, q).copy()
-    nle = pin.nonLinearEffects(model, data, q, v).copy()
-    record = np.zeros((1, RECORD_COLUMNS))
+    believed = dynamics(packed.nominal or packed.model, work[Q], work[V])
+    believed.refill()
     world = packed.world.copy()
     # What the law asks for, of the true state, before the joint gives what it can.
     world[SENSOR, :2], world[LIMIT] = 0.0, np.inf
-    law.sample(0.0, 0.0, 0, 0, M, nle, packed.gains[name], world, trajectory, work, record)
+    record = np.zeros((1, RECORD_COLUMNS))
+    gains = packed.gains[name]
+    wiring = wire(believed, believed, gains, world, trajectory, work, record)
+    law.sample(0.0, 0, 0, wiring)
     return work
 
 

@@ -121,19 +121,21 @@ def _run_lane(lane: Lane, packed: Packed, time: Array, pause: Callable[[float], 
     for begin in range(0, rows, _CHUNK):
         pause(begin / rows)
         for row in range(begin, min(begin + _CHUNK, rows)):
-            joint = step(instants[row], row, row)
-            if joint:
-                lane.stop(packed, instants[row], joint)
-                lane.record[row + 1 :] = np.nan
-                return
+            try:
+                joint = step(instants[row], row, row)
+            except Exception as error:
+                lane.fail(packed, instants[row], row, error)
+            else:
+                if not joint:
+                    continue
+                lane.stop(packed, instants[row], joint, row)
+            lane.record[row + 1 :] = np.nan
+            return
 
 
 def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array) -> LaneRun:
     record = lane.record
-    columns = {
-        name: np.ascontiguousarray(record[:, JOINTS * i : JOINTS * (i + 1)])
-        for i, name in enumerate(RECORD)
-    }
+    columns = {name: record[:, JOINTS * i : JOINTS * (i + 1)] for i, name in enumerate(RECORD)}
     e, de = columns.pop("q_d") - columns["q"], columns.pop("v_d") - columns["v"]
     layer = getattr(packed.experiment.lanes[lane.name], "epsilon", 0.0)
     return LaneRun(

@@ -11,6 +11,7 @@ from robot.disturbance import LIMIT, external_torque, measure
 from robot.implicit_step import accept, implicit_step, solve, within_bounds
 from robot.quantity import JOINTS
 from robot.trajectory import reference
+from robot.wiring import loop_arrays, settings
 from robot.workspace import (
     APPLIED,
     CURRENT,
@@ -40,8 +41,10 @@ PLAIN, FIRST, SECOND = 0, 1, 2
 
 
 @kernel
-def begin(stage, t, trajectory, world, work):  # type: ignore[no-untyped-def]
+def begin(t, wiring):  # type: ignore[no-untyped-def]
     """Evaluate the desired motion and the world at the state of a stage; return its first row."""
+    stage, _ = settings(wiring)
+    _, _, world, trajectory, work, _ = loop_arrays(wiring)
     base = HALF if stage == SECOND else CURRENT
     reference(t, trajectory, work)
     external_torque(t, base, world, work)
@@ -70,22 +73,19 @@ def write_record(row, world, work, record):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def finish(stage, h, row, inertia, bias, world, work, record):  # type: ignore[no-untyped-def]
+def finish(row, wiring):  # type: ignore[no-untyped-def]
     """Record (but for SECOND) and integrate one stage.
 
     Args:
-        stage: PLAIN, FIRST or SECOND.
-        h: the whole step in [s], for every stage.
-        row: row of ``record`` to write.
-        inertia: M at the state of the stage. Shape (6, 6).
-        bias: C v + G at the state of the stage. Shape (6,).
-        world: what ``pack_world`` returned.
-        work: workspace with the evaluation of the law.
-        record: recorded rows. Shape (n, 48).
+        row: row of the record to write.
+        wiring: the lane's wiring; its workspace holds the evaluation of the law, its step is
+            the whole step for every stage.
 
     Returns:
         0, or 1 + the joint that left its bounds.
     """
+    stage, h = settings(wiring)
+    inertia, bias, world, _, work, record = loop_arrays(wiring)
     limits = world[LIMIT]
     if stage == SECOND:
         implicit_step(0.5 * h, HALF, HALF, inertia, bias, limits, work)
@@ -99,19 +99,22 @@ def finish(stage, h, row, inertia, bias, world, work, record):  # type: ignore[n
 
 
 @kernel
-def observe(t, sample, trajectory, world, work):  # type: ignore[no-untyped-def]
+def observe(t, sample, wiring):  # type: ignore[no-untyped-def]
     """Evaluate the desired motion at ``t`` and measure the current state, with sensor noise."""
+    _, _, world, trajectory, work, _ = loop_arrays(wiring)
     reference(t, trajectory, work)
     measure(sample, world, work)
 
 
 @kernel
-def command(period, row, world, work, record):  # type: ignore[no-untyped-def]
-    """Record, limit the torque and let the network learn for one control period.
+def command(row, wiring):  # type: ignore[no-untyped-def]
+    """Record, limit the torque and let the network learn for one control period, the step.
 
     Returns:
         0, or 1 + the joint whose torque or weights are no longer finite.
     """
+    _, period = settings(wiring)
+    _, _, world, _, work, record = loop_arrays(wiring)
     write_record(row, world, work, record)
     for j in range(JOINTS):
         limit = world[LIMIT, j]
@@ -126,20 +129,18 @@ def command(period, row, world, work, record):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def plant_step(t, h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def plant_step(t, wiring):  # type: ignore[no-untyped-def]
     """One step of the arm alone under the torque APPLIED, linearly implicit in friction.
 
     Args:
         t: time in [s].
-        h: step in [s].
-        inertia: M(q). Shape (6, 6).
-        bias: C v + G. Shape (6,).
-        world: what ``pack_world`` returned.
-        work: workspace.
+        wiring: the arm's wiring.
 
     Returns:
         0, or 1 + the joint that left its bounds; the current state is then untouched.
     """
+    _, h = settings(wiring)
+    inertia, bias, world, _, work, _ = loop_arrays(wiring)
     external_torque(t, CURRENT, world, work)
     for i in range(JOINTS):
         for j in range(JOINTS):

@@ -1,112 +1,99 @@
 """One control step of one lane, bound to its arrays: Pinocchio, then the law's kernel.
 
 Everything that a step needs is bound once, so that a step looks up nothing: M and h are views that
-Pinocchio refills, the state is a view of the workspace.
+Pinocchio refills, the state is a view of the workspace, and a kernel takes all of it as one number.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from robot.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
+from robot.dynamics import dynamics
 from robot.laws.law import Law
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.stages import FIRST, PLAIN, SECOND, observe, plant_step
+from robot.wiring import wire
 from robot.workspace import APPLIED, CURRENT, HALF, MEASURED_Q, MEASURED_V, TAU, Q, V
 
 Array = np.ndarray
 Step = Callable[[float, int, int], int]
 """``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
-Evaluation = tuple[Callable[[], None], Array, Array]
 
 
-def _dynamics(model: pin.Model, q: Array, v: Array) -> Evaluation:
-    """Return a call that refills M and h at (q, v), and their views."""
-    data = model.createData()
-    crba, bias = pin.crba, pin.nonLinearEffects
+class Stage(NamedTuple):
+    """One stage of a step of continuous mode.
 
-    def evaluate() -> None:
-        crba(model, data, q)
-        bias(model, data, q, v)
+    Attributes:
+        arm: what Pinocchio takes before the state: the arm and what it writes.
+        q: joint angles of the stage in [rad], a view. Shape (6,).
+        v: joint velocities of the stage in [rad/s], a view. Shape (6,).
+        believe: lets Pinocchio write the nominal arm anew, where there is another one.
+        wiring: what the kernel takes.
+    """
 
-    return evaluate, data.M.T, data.nle
+    arm: tuple[pin.Model, pin.Data]
+    q: Array
+    v: Array
+    believe: Callable[[], None] | None
+    wiring: Array
 
 
-def _true_and_nominal(
-    law: Law, packed: Packed, q: Array, v: Array
-) -> tuple[Evaluation, Evaluation]:
-    """Return the evaluation of both arms; the first refreshes both."""
-    truth = _dynamics(packed.model, q, v)
-    if packed.nominal is None or not law.model_based:
-        return truth, truth
-    belief = _dynamics(packed.nominal, q, v)
-    refresh_truth, refresh_belief = truth[0], belief[0]
-
-    def evaluate() -> None:
-        refresh_truth()
-        refresh_belief()
-
-    return (evaluate, *truth[1:]), belief
+def _stage(
+    stage: int, base: int, law: Law, packed: Packed, gains: Array, work: Array, record: Array
+) -> Stage:
+    """Return a stage at the state whose first row is ``base``."""
+    q, v = work[base + Q], work[base + V]
+    truth = belief = dynamics(packed.model, q, v)
+    if law.model_based and packed.nominal is not None:
+        belief = dynamics(packed.nominal, q, v)
+    arrays = (truth, belief, gains, packed.world, packed.trajectory, work, record)
+    wiring = wire(*arrays, stage=stage, step=packed.experiment.simulation.step)
+    believe = None if belief is truth else belief.refill
+    return Stage((truth.model, truth.data), q, v, believe, wiring)
 
 
 def plain_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
     """Return the plain linearly implicit step of continuous mode."""
-    h = packed.experiment.simulation.step
-    world, trajectory, kernel = packed.world, packed.trajectory, law.step
-    truth, belief = _true_and_nominal(law, packed, work[CURRENT + Q], work[CURRENT + V])
-    evaluate, M, nle = truth
-    _, nominal_M, nominal_nle = belief
+    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
+    (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
 
     def step(t: float, number: int, row: int) -> int:
-        evaluate()
-        return kernel(
-            PLAIN, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record
-        )
+        crba(arm, data, q)
+        bias(arm, data, q, v)
+        if believe is not None:
+            believe()
+        return kernel(t, row, wiring)
 
     return step
 
 
 def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
     """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
-    h = packed.experiment.simulation.step
-    half = 0.5 * h
-    world, trajectory, kernel = packed.world, packed.trajectory, law.step
-    truth, belief = _true_and_nominal(law, packed, work[CURRENT + Q], work[CURRENT + V])
-    later, later_belief = _true_and_nominal(law, packed, work[HALF + Q], work[HALF + V])
-    evaluate, M, nle = truth
-    evaluate_later, M2, nle2 = later
-    nominal, nominal2 = belief[1:], later_belief[1:]
-    nominal_M, nominal_nle = nominal
-    nominal_M2, nominal_nle2 = nominal2
+    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
+    half = 0.5 * packed.experiment.simulation.step
+    (arm, data), q, v, believe, first = _stage(FIRST, CURRENT, law, packed, gains, work, record)
+    later = _stage(SECOND, HALF, law, packed, gains, work, record)
+    (_, data2), q2, v2, believe2, second = later
 
     def step(t: float, number: int, row: int) -> int:
-        evaluate()
-        bad: int = kernel(
-            FIRST, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record
-        )
+        crba(arm, data, q)
+        bias(arm, data, q, v)
+        if believe is not None:
+            believe()
+        bad = kernel(t, row, first)
         if bad:
             return bad
-        evaluate_later()
-        bad = kernel(
-            SECOND,
-            t + half,
-            h,
-            row,
-            M2,
-            nle2,
-            nominal_M2,
-            nominal_nle2,
-            gains,
-            world,
-            trajectory,
-            work,
-            record,
-        )
-        return bad
+        crba(arm, data2, q2)
+        bias(arm, data2, q2, v2)
+        if believe2 is not None:
+            believe2()
+        return kernel(t + half, row, second)
 
     return step
 
@@ -144,33 +131,33 @@ def sampled_step(
     period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
     h = period / substeps
     (whole, part), size = simulation.delay, len(commands)
-    world, trajectory, sample = packed.world, packed.trajectory, law.sample
-    refresh, M, nle = _dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
-    applied, torque = work[APPLIED], work[TAU]
-    noisy = bool(world[SENSOR, SENSOR_Q] or world[SENSOR, SENSOR_V])
-    believes, nominal_M, nominal_nle = (None, M, nle)
+    sample = law.sample
+    truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
+    refill, applied, torque = truth.refill, work[APPLIED], work[TAU]
+    noisy = bool(packed.world[SENSOR, SENSOR_Q] or packed.world[SENSOR, SENSOR_V])
+    belief = None
     if law.model_based and (noisy or packed.nominal is not None):
-        model = packed.nominal or packed.model
-        believes, nominal_M, nominal_nle = _dynamics(model, work[MEASURED_Q], work[MEASURED_V])
+        belief = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
+    rest = (gains, packed.world, packed.trajectory, work, record)
+    controller = wire(truth, belief or truth, *rest, step=period)
+    arm = wire(truth, truth, *rest, step=h)
 
     def step(t: float, number: int, row: int) -> int:
-        refresh()
-        if believes is not None:
-            observe(t, number, trajectory, world, work)
-            believes()
-        bad: int = sample(
-            t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record
-        )
+        refill()
+        if belief is not None:
+            observe(t, number, controller)
+            belief.refill()
+        bad: int = sample(t, number, row, controller)
         if bad:
             return bad
         commands[number % size] = torque
         applied[:] = commands[(number - whole - (part > 0)) % size]
         for substep in range(substeps):
             if substep:
-                refresh()
+                refill()
                 if substep == part:
                     applied[:] = commands[(number - whole) % size]
-            bad = plant_step(t + substep * h, h, M, nle, world, work)
+            bad = plant_step(t + substep * h, arm)
             if bad:
                 return bad
         return 0

@@ -203,13 +203,16 @@ def pack_trajectory(trajectory: Trajectory, turn: Array | None = None) -> Array:
 
 @kernel
 def _sine(t, numbers, work):  # type: ignore[no-untyped-def]
+    sine, cosine = 0.0, 1.0
+    last = 0.0
     for j in range(JOINTS):
         amplitude, omega = numbers[1 + j], numbers[1 + JOINTS + j]
         angle = omega * t + numbers[1 + 2 * JOINTS + j]
-        wave = amplitude * sin(angle)
-        work[QD, j] = numbers[1 + 3 * JOINTS + j] + wave
-        work[VD, j] = amplitude * omega * cos(angle)
-        work[AD, j] = -omega * omega * wave
+        if angle != last:  # joints that swing together share it, as in the paper
+            sine, cosine, last = sin(angle), cos(angle), angle
+        work[QD, j] = numbers[1 + 3 * JOINTS + j] + amplitude * sine
+        work[VD, j] = amplitude * omega * cosine
+        work[AD, j] = -omega * omega * amplitude * sine
 
 
 @kernel

@@ -47,7 +47,9 @@ HIDDEN = QD + 21  # hidden outputs, NODES rows
 SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where FLAGS[0] is set
 MATRIX = SHAPE + JOINTS  # 6 x 6 system matrix of the implicit step
 RIGHT = MATRIX + JOINTS  # its right-hand side
-WORK_ROWS = RIGHT + 1
+LEARNT = RIGHT + 1  # what a step adds to the weight of a node that is fully active [N m]
+KEPT = RIGHT + 2  # share of a weight that a step leaves [-]
+WORK_ROWS = RIGHT + 3
 
 # --- one recorded row of a lane: groups of six columns -----------------------------------------
 RECORD = ("q", "v", "tau", "S", "f", "weights", "q_d", "v_d")

@@ -70,7 +70,7 @@ def measure(quick: bool, live: bool, console: Console) -> Results:
         with progress_bar(console, "Live session") as show:
             rows += measure_live(quick, show)
     if quick:  # too short to be judged
-        rows = [replace(row, target=None) for row in rows]
+        rows = [replace(row, target=None, most=None) for row in rows]
     return {"machine": about, "quick": quick, "rows": [row.document() for row in rows]}
 
 
@@ -89,6 +89,8 @@ def _cells(row: dict[str, Any]) -> list[Text]:
     target = "" if measured.target is None else f"{measured.limit} {_figure(measured.target, unit)}"
     if measured.high is not None:
         target += f"; 95th percentile {_figure(measured.high, unit)}"
+    if measured.most is not None:
+        target += f"; {measured.most:g} × floor"
     verdict = {True: "yes", False: "NO", None: ""}[measured.met]
     return [
         Text(f"{measured.name} ({measured.note})" if measured.note else measured.name),
@@ -119,7 +121,7 @@ def print_bench(results: Results, console: Console) -> None:
     console.print(
         Text(
             "Steps: processor time of one step of one lane through simulate(), all of it counted. "
-            "× floor: median ratio to Pinocchio once in the same rounds, which a busy machine "
-            "hardly moves."
+            "× floor: median ratio in the same rounds, which a busy machine hardly moves, to "
+            "Pinocchio's share of the work: twice M and h for an extrapolated step, once else."
         )
     )

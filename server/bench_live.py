@@ -131,12 +131,12 @@ def _pace(
     ]
     if thread is None or thread not in after:
         note = "only Linux tells the processor time of a thread"
-        return [*rows, Measurement(SESSION_SHARE, "", None, None, target=0.2, note=note)]
+        return [*rows, Measurement(SESSION_SHARE, "", None, None, target=0.15, note=note)]
     taken = {key: (after[key] - before.get(key, 0.0)) / passed for key in after}
     share, whole = taken[thread], sum(taken.values())
     return [
         *rows,
-        Measurement(SESSION_SHARE, "", share, None, target=0.2),
+        Measurement(SESSION_SHARE, "", share, None, target=0.15),
         Measurement(PROCESS_SHARE, "", whole, None),
     ]
 

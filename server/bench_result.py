@@ -24,6 +24,7 @@ class Measurement:
         high: 95th percentile, where that is what the target speaks of, else ``None``.
         target: what it must reach, ``None`` for information.
         limit: on which side of the target it must be.
+        most: greatest permitted ratio to the floor, ``None`` for information.
         note: a remark, such as why it couldn't be measured.
     """
 
@@ -35,6 +36,7 @@ class Measurement:
     high: float | None = None
     target: float | None = None
     limit: Limit = "at most"
+    most: float | None = None
     note: str = ""
 
     @property
@@ -44,12 +46,14 @@ class Measurement:
 
     @property
     def met(self) -> bool | None:
-        """Whether the target is met; ``None`` where there is none or nothing was measured."""
-        if self.target is None or self.judged is None:
-            return None
-        if self.limit == "at least":
-            return self.judged >= self.target
-        return self.judged <= self.target
+        """Whether the targets are met; ``None`` where there is none or nothing was measured."""
+        verdicts = []
+        if self.target is not None and self.judged is not None:
+            enough = self.judged >= self.target
+            verdicts.append(enough if self.limit == "at least" else self.judged <= self.target)
+        if self.most is not None and self.ratio is not None:
+            verdicts.append(self.ratio <= self.most)
+        return all(verdicts) if verdicts else None
 
     def document(self) -> dict[str, Any]:
         """Return the row as plain JSON values."""
@@ -63,6 +67,7 @@ def measurement(
     floor: Sequence[float] | None = None,
     *,
     target: float | None = None,
+    most: float | None = None,
     note: str = "",
 ) -> Measurement:
     """Return the row of repeated measurements.
@@ -73,10 +78,18 @@ def measurement(
         samples: one value a round. Shape (n,).
         floor: the floor's values in the same rounds. Shape (n,).
         target: greatest permitted value.
+        most: greatest permitted ratio to the floor.
         note: a remark.
     """
     values = np.asarray(samples)
     ratio = None if floor is None else float(np.median(values / np.asarray(floor)))
     return Measurement(
-        name, unit, float(values.min()), float(np.median(values)), ratio, target=target, note=note
+        name,
+        unit,
+        float(values.min()),
+        float(np.median(values)),
+        ratio,
+        target=target,
+        most=most,
+        note=note,
     )

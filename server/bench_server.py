@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,16 +43,27 @@ class RunningServer:
 
 
 @contextmanager
-def running_server() -> Iterator[RunningServer]:
+def running_server(
+    options: Sequence[str] = (), environment: Mapping[str, str] | None = None
+) -> Iterator[RunningServer]:
     """Start the server with the paper's comparison, and end it after the block.
+
+    Args:
+        options: further options of ``serve``.
+        environment: variables to set for it, beside those of this process.
 
     Raises:
         ServerStartError: with its last words, if it ends or says nothing.
     """
     begin = perf_counter()
-    command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0"]
+    command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0", *options]
     process = subprocess.Popen(
-        command, cwd=_FOLDER, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, encoding="utf-8"
+        command,
+        cwd=_FOLDER,
+        env={**os.environ, **(environment or {})},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        encoding="utf-8",
     )
     lines: queue.Queue[str | None] = queue.Queue()
     reader = threading.Thread(target=_read, args=(process, lines), daemon=True)

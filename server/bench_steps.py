@@ -16,13 +16,15 @@ import numba
 import numpy as np
 import pinocchio as pin
 
+from robot.dynamics import dynamics
 from robot.experiment import Experiment
-from robot.lane import Lane
 from robot.laws import LAWS
 from robot.packed import Packed, pack
+from robot.quantity import JOINTS
 from robot.simulate import simulate
 from robot.stages import PLAIN
-from robot.workspace import RECORD_COLUMNS
+from robot.wiring import wire
+from robot.workspace import RECORD_COLUMNS, WORK_ROWS, Q, V
 from server.bench_result import Measurement, measurement
 
 MICROSECOND = 1e-6
@@ -54,6 +56,7 @@ SAMPLED = {
 """Gains that a sampled loop at 1 kHz bears (*ours*)."""
 
 FLOOR = "Pinocchio once: crba + nonLinearEffects from Python"
+FLOOR_TWICE = "Pinocchio twice"
 PLAIN_STEP = "plain step, RBFNN-NFTSM"
 EXTRAPOLATED_STEP = "extrapolated step, RBFNN-NFTSM"
 
@@ -67,12 +70,16 @@ class Case:
         unit: unit of what ``measure`` returns.
         measure: does the work once and returns the figure.
         target: greatest permitted figure.
+        floor: name of the case that it is compared with, ``None`` for none.
+        most: greatest permitted ratio to that one.
     """
 
     name: str
     unit: str
     measure: Callable[[], float]
     target: float | None = None
+    floor: str | None = None
+    most: float | None = None
 
 
 def interleaved(
@@ -135,40 +142,24 @@ def _dynamics(packed: Packed, loops: int) -> tuple[Callable[[], float], Callable
     return once, twice
 
 
-def _empty(a, b, c, d, e, f, g, h, i, j, k, m, n):  # type: ignore[no-untyped-def]
+def _empty(t, row, wiring):  # type: ignore[no-untyped-def]
     return 0
 
 
 def _kernels(packed: Packed, loops: int) -> tuple[Callable[[], float], Callable[[], float]]:
     """Return timings in [µs] of a compiled function without a body and of a law's plain stage."""
-    lane = Lane("A", packed, np.zeros((1, RECORD_COLUMNS)))
-    model, data = packed.model, packed.model.createData()
-    q = np.zeros(6)
-    pin.crba(model, data, q)
-    pin.nonLinearEffects(model, data, q, q)
-    inertia, bias = data.M.T, data.nle
-    kernel, empty = LAWS[LAW].step, numba.njit(nogil=True)(_empty)
-    arguments = (
-        PLAIN,
-        0.0,
-        0.001,
-        0,
-        inertia,
-        bias,
-        inertia,
-        bias,
-        packed.gains["A"],
-        packed.world,
-        packed.trajectory,
-        lane.work,
-        lane.record,
-    )
+    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((1, RECORD_COLUMNS))
+    arm = dynamics(packed.model, work[Q], work[V])
+    arm.refill()
+    world, trajectory = packed.world, packed.trajectory
+    wiring = wire(arm, arm, packed.gains["A"], world, trajectory, work, record, PLAIN, 0.001)
+    kernel, empty, wiring = LAWS[LAW].step, numba.njit(_empty), wiring
 
     def stage() -> float:
-        lane.restart(packed)
-        return _timed(lambda: kernel(*arguments), loops)
+        work[:] = 0.0
+        return _timed(lambda: kernel(0.0, 0, wiring), loops)
 
-    return lambda: _timed(lambda: empty(*arguments), loops), stage
+    return lambda: _timed(lambda: empty(0.0, 0, wiring), loops), stage
 
 
 def _run(document: dict[str, Any], horizon: float, whole: bool = False) -> Callable[[], float]:
@@ -206,40 +197,41 @@ def step_cases(quick: bool) -> list[Case]:
     empty, stage = _kernels(packed, loops)
     cases = [
         Case(FLOOR, "µs", once),
-        Case("Pinocchio twice", "µs", twice),
-        Case("numba call of 13 arguments without a body", "µs", empty),
+        Case(FLOOR_TWICE, "µs", twice),
+        Case("numba call without a body", "µs", empty),
         Case("numba call of one plain stage, RBFNN-NFTSM", "µs", stage),
-        Case(PLAIN_STEP, "µs", _law(LAW, "plain", horizon), 5.0),
-        Case(EXTRAPOLATED_STEP, "µs", _law(LAW, "extrapolated", horizon), 9.0),
+        Case(PLAIN_STEP, "µs", _law(LAW, "plain", horizon), 5.0, FLOOR, 2.0),
+        Case(EXTRAPOLATED_STEP, "µs", _law(LAW, "extrapolated", horizon), 9.0, FLOOR_TWICE, 2.0),
     ]
     for name, law in LAWS.items():
         if name != LAW:
             title = f"extrapolated step, {law.title}"
-            cases.append(Case(title, "µs", _law(name, "extrapolated", horizon)))
+            measure = _law(name, "extrapolated", horizon)
+            cases.append(Case(title, "µs", measure, floor=FLOOR_TWICE))
     sampled = {**SAMPLED, "simulation": {"mode": "sampled"}}
     comparison = {"lanes": COMPARISON}
     coarse = {**comparison, "simulation": {"step": 0.002}}
     whole = f"3 lanes, {horizon:g} s in steps of"
     return [
         *cases,
-        Case("sampled period of 10 steps of the arm", "µs", _run(sampled, horizon)),
+        Case("sampled period of 10 steps of the arm", "µs", _run(sampled, horizon), floor=FLOOR),
         Case(f"{whole} 1 ms", "s", _run(comparison, horizon, True), 0.3),
         Case(f"{whole} 2 ms", "s", _run(coarse, horizon, True), 0.15),
     ]
 
 
 def measure_steps(quick: bool, progress: Callable[[float], None]) -> list[Measurement]:
-    """Time all cases and return their rows; ratios are to the floor of the same round."""
+    """Time all cases and return their rows; ratios are to Pinocchio in the same round."""
     cases = step_cases(quick)
     samples = interleaved(cases, 2 if quick else 9, progress)
-    floor = samples[FLOOR]
     return [
         measurement(
             case.name,
             case.unit,
             samples[case.name],
-            floor if case.unit == "µs" and case.name != FLOOR else None,
+            None if case.floor is None else samples[case.floor],
             target=case.target,
+            most=case.most,
         )
         for case in cases
     ]

@@ -30,11 +30,10 @@ class Law:
         title: name on the screen.
         summary: the law in one line, with its equation.
         lane: the gains, a ``Section`` with a ``pack()``.
-        step: compiled stage of continuous mode:
-            ``(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work,
-            record) -> 0 or 1 + joint``.
-        sample: compiled control period of sampled mode: ``(t, period, sample, row, nominal_M,
-            nominal_nle, gains, world, trajectory, work, record) -> 0 or 1 + joint``.
+        step: compiled stage of continuous mode: ``(t, row, wiring) -> 0 or 1 + joint``, with a
+            wiring (``robot.wiring.wire``).
+        sample: compiled control period of sampled mode: ``(t, number, row, wiring) -> 0 or
+            1 + joint``; the step of its wiring is the control period.
         model_based: whether it needs the nominal arm.
         network: whether it has a network.
     """

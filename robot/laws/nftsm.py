@@ -14,6 +14,7 @@ from robot.quantity import JOINTS, field
 from robot.stages import begin, command, finish, observe
 from robot.surface import NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
+from robot.wiring import law_arrays
 from robot.workspace import FLAGS, REACH, S_V, SHAPE, TAU
 
 Array = np.ndarray
@@ -69,19 +70,21 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
 
 
 @kernel
-def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+def step(t, row, wiring):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    begin(stage, t, trajectory, world, work)
+    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
+    begin(t, wiring)
     control(gains, nominal_M, nominal_nle, work)
-    return finish(stage, h, row, M, nle, world, work, record)
+    return finish(row, wiring)
 
 
 @kernel
-def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    observe(t, number, trajectory, world, work)
+    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
+    observe(t, number, wiring)
     control(gains, nominal_M, nominal_nle, work)
-    return command(period, row, world, work, record)
+    return command(row, wiring)
 
 
 LAW = Law(

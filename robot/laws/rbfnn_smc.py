@@ -13,6 +13,7 @@ from robot.quantity import JOINTS
 from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.switching import ReachingGains, reach
+from robot.wiring import law_arrays
 from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, TAU
 
 Array = np.ndarray
@@ -48,19 +49,20 @@ def control(base, gains, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def step(stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+def step(t, row, wiring):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    base = begin(stage, t, trajectory, world, work)
-    control(base, gains, work)
-    return finish(stage, h, row, M, nle, world, work, record)
+    gains, _, _, work = law_arrays(wiring)
+    control(begin(t, wiring), gains, work)
+    return finish(row, wiring)
 
 
 @kernel
-def sample(t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record):  # type: ignore[no-untyped-def]
+def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    observe(t, number, trajectory, world, work)
+    gains, _, _, work = law_arrays(wiring)
+    observe(t, number, wiring)
     control(CURRENT, gains, work)
-    return command(period, row, world, work, record)
+    return command(row, wiring)
 
 
 LAW = Law(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 
 from robot.disturbance import SENSOR, external_torque
+from robot.dynamics import dynamics
 from robot.equivalent_control import equivalent_control
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.trajectory import QUINTIC
+from robot.wiring import wire
 from robot.workspace import CURRENT, RECORD_COLUMNS, S_E, S_V, TAU, WORK_ROWS, F, Q, S, V
 
 Array = np.ndarray
@@ -24,20 +25,21 @@ class Probe:
 
     def __init__(self, packed: Packed, name: str) -> None:
         """Bind the law of the lane ``name``."""
-        self._law = LAWS[packed.experiment.lanes[name].law]
-        self._gains = packed.gains[name]
-        self._trajectory = packed.trajectory
-        self._model = packed.model
-        self._data = packed.model.createData()
+        self._sample = LAWS[packed.experiment.lanes[name].law].sample
         self._world = packed.world.copy()
         self._world[SENSOR, :2] = 0.0
         self._work = np.zeros((WORK_ROWS, JOINTS))
-        self._record = np.zeros((1, RECORD_COLUMNS))
-
-    def _ask(self, t: float, M: Array, nle: Array, trajectory: Array) -> Array:
-        self._law.sample(
-            t, 0.0, 0, 0, M, nle, self._gains, self._world, trajectory, self._work, self._record
+        self._arm = dynamics(packed.model, self._work[CURRENT + Q], self._work[CURRENT + V])
+        hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * JOINTS)])
+        gains, record = packed.gains[name], np.zeros((1, RECORD_COLUMNS))
+        self._at_rest, self._on_the_way = (
+            wire(self._arm, self._arm, gains, self._world, trajectory, self._work, record)
+            for trajectory in (hold, packed.trajectory)
         )
+
+    def _ask(self, t: float, wiring: Array) -> Array:
+        self._arm.refill()
+        self._sample(t, 0, 0, wiring)
         return self._work
 
     def surface(self, e: Array, de: Array) -> tuple[Array, Array, Array]:
@@ -50,9 +52,8 @@ class Probe:
         Returns:
             S [rad/s], dS/de [1/s] (over the error) and dS/d(de). Shapes (6,).
         """
-        hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * JOINTS)])
         self._work[CURRENT + Q], self._work[CURRENT + V] = np.negative(e), np.negative(de)
-        work = self._ask(0.0, np.eye(JOINTS), np.zeros(JOINTS), hold)
+        work = self._ask(0.0, self._at_rest)
         return work[S].copy(), work[S_E].copy(), work[S_V].copy()
 
     def needed_torque(self, t: float, q: Array, v: Array) -> Array:
@@ -70,11 +71,9 @@ class Probe:
         Returns:
             Torque in [N m]. Shape (6,).
         """
-        M = pin.crba(self._model, self._data, q).copy()
-        nle = pin.nonLinearEffects(self._model, self._data, q, v).copy()
         self._work[CURRENT + Q], self._work[CURRENT + V] = q, v
-        work = self._ask(t, M, nle, self._trajectory)
-        equivalent_control(M, nle, work)
+        work = self._ask(t, self._on_the_way)
+        equivalent_control(self._arm.inertia, self._arm.bias, work)
         external_torque(t, CURRENT, self._world, work)
         needed: Array = work[TAU] + work[F]
         return needed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 
 from robot.closed_loop import ClosedLoop
 from robot.experiment import Experiment
+from robot.laws import LAWS
 from robot.packed import pack
 from robot.quantity import JOINTS
 from robot.simulate import simulate
@@ -246,3 +249,80 @@ def test_a_push_moves_the_arm_where_it_pushes(mode: str, law: str) -> None:
     advance(pushed, 1500)
     assert np.abs(pushed.lanes["A"].work[V]).max() < 0.2
     assert np.abs(pushed.lanes["A"].work[Q] - pushed.packed.trajectory[2:8]).max() < 0.5
+
+
+def raising_after(calls: int, kernel: Callable[..., int]) -> Callable[..., int]:
+    """Return a kernel that does its work so many times and raises from then on."""
+    left = iter(range(calls))
+
+    def failing(*given: Any) -> int:
+        bad = kernel(*given)
+        if next(left, None) is None:
+            raise ArithmeticError("no torque for this pose")
+        return bad
+
+    return failing
+
+
+@pytest.mark.parametrize("calls", [0, 1, 100, 101])
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_a_law_that_raises_freezes_its_lane_and_the_others_go_on(
+    mode: str, calls: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gains = {"k1": 1.0, "k2": 0.1}
+    lanes = {"fails": {"law": "smc", **gains}, "holds": {"law": "computed_torque"}}
+    document = {"lanes": lanes, "simulation": {"mode": mode}, "robot": {"armature": 1.0}}
+    law = LAWS["smc"]
+    broken = replace(
+        law, step=raising_after(calls, law.step), sample=raising_after(calls, law.sample)
+    )
+    monkeypatch.setitem(LAWS, "smc", broken)
+    loop = loop_of(document, 150)
+    freeze = loop.lanes["fails"].freeze
+    assert freeze is not None
+    assert (freeze.joint, freeze.gamma) == (None, None)
+    assert "no torque for this pose" in freeze.cause
+    assert np.isfinite(loop.lanes["fails"].record[:150]).all()
+    assert loop.lanes["holds"].freeze is None
+    alone = loop_of({**document, "lanes": {"holds": lanes["holds"]}}, 150)
+    np.testing.assert_array_equal(alone.lanes["holds"].record, loop.lanes["holds"].record)
+
+
+def test_a_law_that_raises_ends_its_lane_of_a_whole_run_and_no_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    law = LAWS["smc"]
+    monkeypatch.setitem(LAWS, "smc", replace(law, step=raising_after(20, law.step)))
+    lanes = {"fails": {"law": "smc"}, "holds": {"law": "computed_torque"}}
+    run = simulate(experiment_of({**THREE, "lanes": lanes}))
+    failed, freeze = run.lanes["fails"], run.lanes["fails"].freeze
+    assert freeze is not None
+    assert "no torque for this pose" in freeze.cause
+    ended = run.time > freeze.time
+    assert np.isfinite(failed.tau[~ended]).all()
+    assert np.isnan(failed.tau[ended]).all()
+    assert np.isfinite(failed.metrics.mae).all()
+    assert run.lanes["holds"].freeze is None
+
+
+@pytest.mark.parametrize("steps", [0, 1, 100])
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+@pytest.mark.parametrize("law", ["rbfnn_nftsm", "smc", "computed_torque"])
+def test_a_law_that_gives_no_number_freezes_its_lane_and_records_numbers_only(
+    law: str, mode: str, steps: int
+) -> None:
+    gains = {} if law == "computed_torque" else {"k1": 1.0, "k2": 0.1}
+    lanes = {"fails": {"law": law, **gains}, "holds": {"law": "computed_torque"}}
+    document = {"lanes": lanes, "simulation": {"mode": mode}, "robot": {"armature": 1.0}}
+    loop = loop_of(document, steps)
+    lane = loop.lanes["fails"]
+    before = lane.work[: V + 1].copy()
+    loop.packed.gains["fails"][:, 3] = np.nan
+    advance(loop, 20)
+    assert lane.freeze is not None
+    assert lane.freeze.joint in (1, 4)  # a law with a model couples the joints
+    assert "not a number" in lane.freeze.cause
+    assert np.isfinite(lane.record).all()
+    assert np.isfinite(lane.work[:STATE_ROWS]).all()
+    np.testing.assert_array_equal(lane.record[steps + 19, : 2 * JOINTS], before.ravel())
+    assert loop.lanes["holds"].freeze is None

@@ -8,10 +8,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from robot.dynamics import dynamics
 from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.packed import pack
 from robot.quantity import JOINTS
+from robot.wiring import wire
 from robot.workspace import AD, QD, REACH, RECORD_COLUMNS, S_E, S_V, TAU, VD, WORK_ROWS, Q, S, V
 
 Array = np.ndarray
@@ -36,28 +38,16 @@ def s_dot(lane: dict[str, Any], seed: int, **experiment: Any) -> tuple[Array, Ar
     }
     packed = pack(Experiment.from_document(document))
     q, v = random.uniform(-3, 3, JOINTS), random.uniform(-3, 3, JOINTS)
-    data = packed.model.createData()
-    M = np.ascontiguousarray(pin.crba(packed.model, data, q))
-    nle = pin.nonLinearEffects(packed.model, data, q, v).copy()
-    believed = packed.nominal or packed.model
-    nominal_M = np.ascontiguousarray(pin.crba(believed, believed.createData(), q))
-    nominal_nle = pin.nonLinearEffects(believed, believed.createData(), q, v).copy()
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
-    law, record = LAWS[lane["law"]], np.zeros((1, RECORD_COLUMNS))
-    law.sample(
-        random.uniform(0, 5),
-        0.0,
-        0,
-        0,
-        nominal_M,
-        nominal_nle,
-        packed.gains["A"],
-        packed.world,
-        packed.trajectory,
-        work,
-        record,
-    )
+    truth = dynamics(packed.model, work[Q], work[V])
+    belief = dynamics(packed.nominal or packed.model, work[Q], work[V])
+    truth.refill()
+    belief.refill()
+    gains, record = packed.gains["A"], np.zeros((1, RECORD_COLUMNS))
+    wiring = wire(truth, belief, gains, packed.world, packed.trajectory, work, record)
+    LAWS[lane["law"]].sample(random.uniform(0, 5), 0, 0, wiring)
+    M, nle = truth.inertia, truth.bias
     a = np.linalg.solve(M, work[TAU] - nle)
     return work[S_V] * (work[AD] - a) + work[S_E] * (work[VD] - v), work
 

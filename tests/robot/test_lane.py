@@ -37,7 +37,7 @@ def stepped(lane: Lane, packed: Packed, steps: int, first: int = 0) -> int:
     for number in range(first, first + steps):
         joint = lane.step(number * period, number, number)
         if joint:
-            lane.stop(packed, number * period, joint)
+            lane.stop(packed, number * period, joint, number)
             return number
     return first + steps
 

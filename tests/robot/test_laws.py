@@ -22,6 +22,7 @@ from robot.simulate import LaneRun, simulate
 from robot.stability import sampling_margin
 from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
+from robot.wiring import law_arrays
 from robot.workspace import FLAGS, GAIN, REACH, TAU, S
 
 Array = np.ndarray
@@ -204,23 +205,21 @@ def toy_control(gains, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def toy_step(
-    stage, t, h, row, M, nle, nominal_M, nominal_nle, gains, world, trajectory, work, record
-):  # type: ignore[no-untyped-def]
+def toy_step(t, row, wiring):  # type: ignore[no-untyped-def]
     """One stage of continuous mode."""
-    begin(stage, t, trajectory, world, work)
+    gains, _, _, work = law_arrays(wiring)
+    begin(t, wiring)
     toy_control(gains, work)
-    return finish(stage, h, row, M, nle, world, work, record)
+    return finish(row, wiring)
 
 
 @kernel
-def toy_sample(
-    t, period, number, row, nominal_M, nominal_nle, gains, world, trajectory, work, record
-):  # type: ignore[no-untyped-def]
+def toy_sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
     """One control period of sampled mode."""
-    observe(t, number, trajectory, world, work)
+    gains, _, _, work = law_arrays(wiring)
+    observe(t, number, wiring)
     toy_control(gains, work)
-    return command(period, row, world, work, record)
+    return command(row, wiring)
 
 
 TOY = Law("toy", "Toy", "τ = g(de + λe)", Toy, toy_step, toy_sample, False, False)

@@ -8,6 +8,7 @@ import pytest
 
 from robot.arm import build_model
 from robot.disturbance import LIMIT, Disturbance, pack_world
+from robot.dynamics import dynamics
 from robot.experiment import Experiment, Robot
 from robot.lane import Lane
 from robot.packed import pack
@@ -34,6 +35,7 @@ from robot.workspace import (
     V,
     W,
 )
+from tests.robot.wired import arm_of, wired
 
 Array = np.ndarray
 
@@ -45,13 +47,14 @@ def fall(step: float, viscous: float = 0.0, torque: float = 0.0) -> tuple[Array,
     world = pack_world(Disturbance(), viscous, 0.0, None)
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[APPLIED] = (0.1, 0.9, -0.4, 0.3, 0.8, 0.2), torque
+    arm = dynamics(model, work[Q], work[V])
+    wiring = wired(work, arm=arm, world=world, step=step)
     energy = []
     for number in range(round(0.2 / step)):
         q, v = work[Q].copy(), work[V].copy()
         energy.append(pin.computeMechanicalEnergy(model, data, q, v))
-        M = np.ascontiguousarray(pin.crba(model, data, q))
-        bias = pin.nonLinearEffects(model, data, q, v).copy()
-        assert plant_step(number * step, step, M, bias, world, work) == 0
+        arm.refill()
+        assert plant_step(number * step, wiring) == 0
     return np.array(energy), work
 
 
@@ -75,8 +78,8 @@ def test_viscous_friction_takes_energy_away() -> None:
 def test_plant_step_leaves_the_weights() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[W : W + NODES] = 7.0
-    world = pack_world(Disturbance(), 0.0, 0.0, None)
-    assert plant_step(0.0, 1e-3, np.eye(JOINTS), np.ones(JOINTS), world, work) == 0
+    wiring = wired(work, arm=arm_of(np.eye(JOINTS), np.ones(JOINTS)), step=1e-3)
+    assert plant_step(0.0, wiring) == 0
     assert (work[W : W + NODES] == 7.0).all()
     np.testing.assert_allclose(work[V], -1e-3)
     np.testing.assert_allclose(work[Q], -1e-6)
@@ -85,11 +88,10 @@ def test_plant_step_leaves_the_weights() -> None:
 def test_network_learns_once_a_control_period() -> None:
     random = np.random.default_rng(1)
     work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((2, RECORD_COLUMNS))
-    world = pack_world(Disturbance(), 0.0, 0.0, None)
     hidden, weights = random.normal(size=(2, NODES, JOINTS))
     work[HIDDEN : HIDDEN + NODES], work[W : W + NODES] = hidden, weights
     work[S], work[LEARNING], work[LEAKAGE] = random.normal(size=JOINTS), 3.0, 2.0
-    assert command(0.004, 1, world, work, record) == 0
+    assert command(1, wired(work, record=record, step=0.004)) == 0
     expected = weights + 0.004 * (3.0 * hidden * work[S] - 2.0 * weights)
     np.testing.assert_allclose(work[W : W + NODES], expected, rtol=1e-12)
 
@@ -100,7 +102,7 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
     world = pack_world(Disturbance(), 0.0, 0.0, limits)
     np.testing.assert_array_equal(world[LIMIT], limits)
     work[TAU] = (-9, 9, 2, -2, 9, -9)
-    assert command(0.001, 0, world, work, record) == 0
+    assert command(0, wired(work, world=world, record=record, step=0.001)) == 0
     expected = (-1, 2, 2, -2, 5, -6)
     np.testing.assert_array_equal(work[TAU], expected)
     np.testing.assert_array_equal(record[0, 2 * JOINTS : 3 * JOINTS], expected)
@@ -108,10 +110,9 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e13])
 def test_a_torque_that_is_no_number_names_its_joint(value: float) -> None:
-    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((1, RECORD_COLUMNS))
+    work = np.zeros((WORK_ROWS, JOINTS))
     work[TAU, 3] = value
-    world = pack_world(Disturbance(), 0.0, 0.0, None)
-    assert command(0.001, 0, world, work, record) == 4
+    assert command(0, wired(work, step=0.001)) == 4
 
 
 def test_a_record_holds_the_columns_that_it_names() -> None:
@@ -132,9 +133,8 @@ def test_a_record_holds_the_columns_that_it_names() -> None:
 
 def test_a_controller_sees_the_state_as_it_is_without_noise() -> None:
     work = np.random.default_rng(2).normal(size=(WORK_ROWS, JOINTS))
-    world = pack_world(Disturbance(), 0.0, 0.0, None)
     pose = HoldTrajectory(position=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6))
-    observe(3.0, 7, pack_trajectory(pose), world, work)
+    observe(3.0, 7, wired(work, trajectory=pack_trajectory(pose)))
     np.testing.assert_array_equal(work[MEASURED_Q], work[Q])
     np.testing.assert_array_equal(work[MEASURED_V], work[V])
     np.testing.assert_allclose(work[QD], pose.position)

@@ -59,6 +59,10 @@ def test_a_ratio_compares_rounds_and_not_the_best_of_different_moments() -> None
         (Measurement("a", "", 1.0, None, target=0.99, limit="at least"), True),
         (Measurement("a", "s", None, None, target=2.0), None),
         (Measurement("a", "s", 1.0, None), None),
+        (Measurement("a", "µs", 1.0, 1.0, ratio=1.9, target=2.0, most=2.0), True),
+        (Measurement("a", "µs", 1.0, 1.0, ratio=2.1, target=2.0, most=2.0), False),
+        (Measurement("a", "µs", 3.0, 3.0, ratio=1.9, target=2.0, most=2.0), False),
+        (Measurement("a", "µs", 1.0, 1.0, ratio=2.1, most=2.0), False),
     ],
 )
 def test_a_target_is_held_against_the_figure_that_it_speaks_of(
@@ -74,7 +78,11 @@ def test_every_law_is_measured_against_the_floor() -> None:
     for row in rows.values():
         assert row.best is not None
         assert row.best > 0.0
-        assert (row.ratio is not None) == (row.unit == "µs" and row.name != FLOOR)
+        if row.ratio is not None:
+            assert row.unit == "µs"
+    for law in LAWS.values():
+        assert rows[f"extrapolated step, {law.title}"].ratio is not None
+    assert rows[FLOOR].ratio is None
 
 
 @pytest.mark.skipif(not ON_LINUX, reason="only Linux tells the processor time of a thread")

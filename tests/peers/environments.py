@@ -1,0 +1,99 @@
+"""A Python environment for every peer, apart from ours: some bring much along, some may clash.
+
+They lie in ``build/peers``, with the versions of ``requirements.lock`` where both need a package.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "build" / "peers"
+LOCK = ROOT / "requirements.lock"
+PIP = ("-m", "pip", "--disable-pip-version-check", "--quiet", "install", "--only-binary", ":all:")
+
+
+class UnavailablePeerError(RuntimeError):
+    """A peer that can't be installed or started here; the message says why."""
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A contestant.
+
+    Attributes:
+        name: of its environment.
+        title: of the peer, for people.
+        module: in this folder.
+        requirement: what to install for it; empty for what runs in our own environment.
+    """
+
+    name: str
+    title: str
+    module: str
+    requirement: str = ""
+
+
+PEERS = (
+    Peer("ours", "Slidetune", "ours"),
+    Peer("pinocchio", "Pinocchio", "numpy_on_pinocchio"),
+    Peer("mujoco", "MuJoCo", "mujoco_arm", "mujoco>=4,<5"),
+    Peer("drake", "Drake", "drake_arm", "drake>=1.40,<2"),
+    Peer("pybullet", "PyBullet", "bullet_arm", "pybullet>=3.2.6,<4"),
+    Peer("toolbox", "Robotics Toolbox", "toolbox_arm", "roboticstoolbox-python>=1.5,<2"),
+)
+
+
+def _said(process: subprocess.CompletedProcess[str]) -> str:
+    """Return the line that tells most of what a command said in vain."""
+    lines = [line.strip() for line in process.stderr.splitlines() if line.strip()]
+    errors = [line for line in lines if line.startswith("ERROR:")]
+    line = errors[0].removeprefix("ERROR: ") if errors else (lines or ["no reason given"])[-1]
+    return line.rstrip(".")
+
+
+def _interpreter(folder: Path) -> Path:
+    return folder / "bin" / "python"
+
+
+def is_ready(peer: Peer) -> bool:
+    """Whether nothing needs installing for a peer."""
+    if not peer.requirement:
+        return True
+    mark = FOLDER / peer.name / "installed"
+    return mark.is_file() and mark.read_text(encoding="utf-8") == _contents(peer)
+
+
+def _contents(peer: Peer) -> str:
+    return f"{peer.requirement}\n{sys.version}\n{LOCK.read_text(encoding='utf-8')}"
+
+
+def interpreter(peer: Peer) -> Path:
+    """Return the Python that has a peer, installing it first if it is not there yet.
+
+    Raises:
+        UnavailablePeerError: if it can't be installed on this platform.
+    """
+    if not peer.requirement:
+        return Path(sys.executable)
+    folder = FOLDER / peer.name
+    if is_ready(peer):
+        return _interpreter(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    steps = (
+        [sys.executable, "-m", "venv", str(folder)],
+        [str(_interpreter(folder)), *PIP, "--constraint", str(LOCK), "numpy", peer.requirement],
+    )
+    for step in steps:
+        process = subprocess.run(
+            step, capture_output=True, encoding="utf-8", env={**os.environ, "PYTHONPATH": ""}
+        )
+        if process.returncode:
+            raise UnavailablePeerError(f"{peer.requirement} can't be installed: {_said(process)}")
+    (folder / "installed").write_text(_contents(peer), encoding="utf-8")
+    return _interpreter(folder)

@@ -1,0 +1,51 @@
+"""Wirings of arrays of our choice, for tests of single kernels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from robot.disturbance import Disturbance, pack_world
+from robot.dynamics import Dynamics
+from robot.quantity import JOINTS
+from robot.trajectory import HoldTrajectory, pack_trajectory
+from robot.wiring import wire
+from robot.workspace import RECORD_COLUMNS, WORK_ROWS
+
+Array = np.ndarray
+
+
+def arm_of(inertia: Array, bias: Array) -> Dynamics:
+    """An arm that has been evaluated elsewhere."""
+    model = pin.Model()
+    return Dynamics(
+        model,
+        model.createData(),
+        lambda: None,
+        np.ascontiguousarray(inertia),
+        np.ascontiguousarray(bias),
+    )
+
+
+def wired(
+    work: Array | None = None,
+    *,
+    arm: Dynamics | None = None,
+    gains: Array | None = None,
+    world: Array | None = None,
+    trajectory: Array | None = None,
+    record: Array | None = None,
+    step: float = 0.0,
+) -> Array:
+    """A wiring of what is given: the rest is an arm of unit inertia at rest in a quiet world."""
+    arm = arm or arm_of(np.eye(JOINTS), np.zeros(JOINTS))
+    return wire(
+        arm,
+        arm,
+        np.zeros((1, JOINTS)) if gains is None else gains,
+        pack_world(Disturbance(), 0.0, 0.0, None) if world is None else world,
+        pack_trajectory(HoldTrajectory()) if trajectory is None else trajectory,
+        np.zeros((WORK_ROWS, JOINTS)) if work is None else work,
+        np.zeros((1, RECORD_COLUMNS)) if record is None else record,
+        step=step,
+    )
