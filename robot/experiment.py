@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from robot.disturbance import Disturbance
 from robot.errors import InvalidExperimentError
+from robot.field_path import field_path
 from robot.laws import LAWS
 from robot.merge_patch import merge_patch
 from robot.quantity import Integer, Number, PerJoint, PerJointOrOff, Point, Section, field, refusal
@@ -275,7 +276,7 @@ class Experiment(Section):
                     "sign(S) has no slope, so that continuous mode can't integrate it: choose tanh "
                     "or saturation, or set simulation.mode to sampled"
                 )
-                raise refusal(f"lanes.{name}.switching", "sign", text)
+                raise refusal(field_path(("lanes", name, "switching")), "sign", text)
         return self
 
     def __hash__(self) -> int:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from robot.errors import FieldError, InvalidExperimentError
 from robot.laws import LAWS
+from robot.plain_values import UnfitError, plain_values
 from robot.trajectory import CircleTrajectory, HoldTrajectory, QuinticTrajectory, SineTrajectory
 
 Document = dict[str, Any]
@@ -54,7 +56,15 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
     """Return ``document`` changed by ``patch``; see ``Experiment.patched``.
 
     ``null`` removes, so that ``torque_limit: null`` takes it back to its default, which is "off".
+
+    Raises:
+        InvalidExperimentError: for a patch that no document could hold, such as one nested too
+            deep.
     """
+    try:
+        patch = plain_values(patch)
+    except UnfitError as error:
+        raise InvalidExperimentError([FieldError(error.path, f"the patch {error}")]) from error
     merged: Document = _merge(document, patch)
     if not isinstance(patch, Mapping):
         return merged

@@ -7,6 +7,7 @@ from typing import Any
 
 from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import FORMAT
+from robot.written_value import plain_value, written
 
 Document = dict[str, Any]
 Migration = Callable[[Document], Document]
@@ -30,10 +31,11 @@ def migrated(
     """
     version = document.get("slidetune", current)
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
-        raise _refusal(version, f"slidetune is the file's format, 1 to {current}")
+        text = f"the file's format is a whole number from 1 to {current}, got {written(version)}"
+        raise _refusal(version, text)
     if version > current:
-        text = f"written by a newer Slidetune: format {version}, this one reads up to {current}"
-        raise _refusal(version, f"{text}: update Slidetune")
+        text = f"written by a newer Slidetune: format {written(version)}, this one reads up to"
+        raise _refusal(version, f"{text} {current}: update Slidetune")
     while version < current:
         if version not in migrations:
             raise _refusal(version, f"format {version} is too old: this one reads format {current}")
@@ -43,5 +45,4 @@ def migrated(
 
 
 def _refusal(version: object, message: str) -> InvalidExperimentError:
-    shown = version if isinstance(version, int) else repr(version)[:60]
-    return InvalidExperimentError([FieldError("slidetune", message, shown)])
+    return InvalidExperimentError([FieldError("slidetune", message, plain_value(version))])

@@ -29,12 +29,11 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from robot.errors import FieldError, PresetSyntaxError
+from robot.field_path import field_path, path_parts
+from robot.plain_values import DEEPEST, LONGEST_KEY
 
 LARGEST_TEXT = 64 * 1024
 """Most bytes of a text (*ours*); the largest shipped preset has 10 KiB."""
-DEEPEST = 12
-"""Most levels of mappings and lists in each other (*ours*); a preset has four."""
-LONGEST_KEY = 120
 LONGEST_NUMBER = 40
 
 _NULL = re.compile(r"~|null|Null|NULL|")
@@ -49,6 +48,9 @@ _AMBIGUOUS = re.compile(
     r"(?i:y|n|yes|no|on|off|[-+]?nan|[-+]?inf(inity)?)"
     r"|[-+]?0[0-9box_][0-9a-fA-F_.]*|[-+]?[0-9][0-9,]*[_:,][0-9_:.,]*"
 )
+# The parser writes what it found as a tuple of one.
+_SOLE = re.compile(r"\(('<[^>]*>'),\)")
+_NO_CHARACTER = re.compile(r"\\U(?!0010|000)[0-9a-fA-F]{8}")
 _PARSER_FAILURES = (YAMLError, ValueError, LookupError, TypeError, AttributeError, AssertionError)
 
 
@@ -66,9 +68,10 @@ class PlainDocument:
 
     def line(self, path: str) -> int | None:
         """Return the line of a dotted path, or of the nearest key around it."""
-        while path and path not in self.lines:
-            path = path.rpartition(".")[0]
-        return self.lines.get(path)
+        parts = path_parts(path)
+        while parts and field_path(parts) not in self.lines:
+            parts = parts[:-1]
+        return self.lines.get(field_path(parts))
 
 
 def read_plain_yaml(text: str | bytes) -> PlainDocument:
@@ -120,9 +123,13 @@ def _described(error: Exception, content: str) -> tuple[int | None, str]:
     if isinstance(error, MarkedYAMLError):
         mark = error.problem_mark or error.context_mark
         problem = " ".join(part for part in (error.context, error.problem) if part)
-        return (None if mark is None else mark.line + 1), problem.replace("\n", " ")[:200]
+        plain = _SOLE.sub(r"\1", problem.replace("\n", " "))
+        return (None if mark is None else mark.line + 1), plain[:200]
     if isinstance(error, ReaderError):
         return content.count("\n", 0, error.position) + 1, "holds a character that YAML forbids"
+    if escape := _NO_CHARACTER.search(content):
+        line = content.count("\n", 0, escape.start()) + 1
+        return line, f"{escape.group()} stands for no character"
     return None, "the text is damaged"
 
 
@@ -210,7 +217,7 @@ class _Builder:
         while not isinstance(event := next(self._events), MappingEndEvent):
             line = event.start_mark.line + 1
             key = self._key(event, path)
-            place = f"{path}.{key}" if path else key
+            place = f"{path}.{field_path([key])}" if path else field_path([key])
             if key in values:
                 first = self._lines[place]
                 raise _refused(f"stands twice, first in line {first}: remove one", line, place)
@@ -224,7 +231,9 @@ class _Builder:
             raise _refused("a key needs to be text, not a list or a mapping", line, path)
         key = self._value(event, path, 1)
         if not isinstance(key, str) or not key:
-            raise _refused(f"a key needs to be text: put {key!r} in quotes", line, path)
+            written = str(getattr(event, "value", ""))[:LONGEST_NUMBER]
+            given = f"put {written} in quotes" if written else "it is empty"
+            raise _refused(f"a key needs to be text: {given}", line, path)
         if key == "<<":
             raise _refused("merge keys (<<) are not taken: write the values out", line, path)
         if len(key) > LONGEST_KEY:

@@ -6,6 +6,7 @@ import re
 import unicodedata
 
 from robot.errors import FieldError, InvalidExperimentError
+from robot.written_value import written
 
 LONGEST_NAME = 60
 _NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
@@ -33,10 +34,12 @@ def preset_name(title: str) -> str:
 
 def refused_name(text: str) -> InvalidExperimentError:
     """Return the error for a text that can't be a preset's name."""
-    return InvalidExperimentError([FieldError("name", name_rule(text), text[:LONGEST_NAME])])
+    return InvalidExperimentError(
+        [FieldError("name", name_rule(text), written(text[:LONGEST_NAME]))]
+    )
 
 
 def name_rule(text: str) -> str:
     """Say what a name may be, and what was given."""
     rule = f"a preset's name has 1 to {LONGEST_NAME} of a-z, 0-9 and -, such as my-gains"
-    return f"{rule}, got {text[:LONGEST_NAME]!r}"
+    return f"{rule}, got {written(text[:LONGEST_NAME])}"

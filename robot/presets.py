@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 from collections.abc import Iterator
@@ -24,6 +25,8 @@ USER_FOLDER_VARIABLE = "SLIDETUNE_PRESETS"
 """Environment variable that names another folder for the user's presets."""
 SHIPPED_FOLDER = Path(__file__).resolve().parent.parent / "presets"
 """Beside this package, in a checkout and in an installed wheel alike."""
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 
 @dataclass(frozen=True)
@@ -157,7 +160,7 @@ class PresetStore:
             yield
         except OSError as error:
             text = f"can't {action} in {self.user}: {error.strerror or error}"
-            raise PresetStorageError(text) from error
+            raise PresetStorageError(f"{text}{_way_out(error)}") from error
 
     def _find(self, name: str) -> Path:
         if is_preset_name(name):
@@ -185,6 +188,18 @@ class PresetStore:
                 title = experiment.title or name
                 return PresetInfo(name, title, experiment.description, shipped)
         return PresetInfo(name, name, "", shipped, problem)
+
+
+def _way_out(error: OSError) -> str:
+    """Return what to do about a folder that can't be written, if that is known."""
+    if error.errno in _FULL:
+        return "; nothing was changed: free some space and try again"
+    if error.errno in _CLOSED:
+        return (
+            "; nothing was changed: allow writing there, or name another folder with "
+            f"{USER_FOLDER_VARIABLE}"
+        )
+    return ""
 
 
 def _files(folder: Path) -> Iterator[Path]:

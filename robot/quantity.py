@@ -18,8 +18,11 @@ from pydantic import (
     ValidationInfo,
     WithJsonSchema,
     field_validator,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
+
+from robot.plain_values import PlainMapping, UnfitError, plain_values
 
 JOINTS = 6
 
@@ -199,6 +202,16 @@ class Section(BaseModel):
     """A frozen part of an experiment; refuses unknown keys and values outside their bounds."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fit(cls, values: Any) -> Any:
+        if isinstance(values, BaseModel | PlainMapping):
+            return values
+        try:
+            return plain_values(values)
+        except UnfitError as error:
+            raise refusal(error.path, None, str(error)) from error
 
     @field_validator("*", mode="after")
     @classmethod

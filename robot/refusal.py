@@ -12,9 +12,12 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from robot.errors import FieldError
+from robot.field_path import field_path
 from robot.quantity import allowed_text
+from robot.written_value import plain_value, written
 
-_LONGEST = 120
+_KEY = "[key]"
+
 _TEXTS = {
     "model_type": "needs a mapping",
     "model_attributes_type": "needs a mapping",
@@ -85,23 +88,6 @@ def _walk(model: type[BaseModel], location: tuple[int | str, ...]) -> _Place:
     return place
 
 
-def _written(text: str) -> str:
-    """Return a text that UTF-8 can carry, not too long."""
-    text = text.encode("utf-8", "backslashreplace").decode()
-    return text if len(text) <= _LONGEST else text[:_LONGEST] + "…"
-
-
-def _short(value: object) -> object:
-    if isinstance(value, str):
-        return _written(value)
-    try:
-        text = repr(value)
-    except ValueError:  # Python writes no whole number of more than 4300 digits
-        return "a number of thousands of digits"
-    plain = value is None or isinstance(value, bool | int | float)
-    return value if plain and len(text) <= _LONGEST and value == value else _written(text)
-
-
 def _hint(name: object, known: list[str]) -> str:
     close = get_close_matches(str(name), known, n=1)
     return f"; did you mean {close[0]}?" if close else ""
@@ -117,35 +103,41 @@ def _wrong_tag(error: ErrorDetails, place: _Place) -> FieldError:
     key = str(error["ctx"]["discriminator"]).strip("'")
     given = error["input"].get(key) if isinstance(error["input"], Mapping) else None
     known = [str(tag) for tag in _tags(place.models)]
-    text = f"{key} needs one of {', '.join(known)}, got {_short(given)}{_hint(given, known)}"
-    return FieldError(".".join([*place.path, key]), text, _short(given), ", ".join(known))
+    text = f"{key} needs one of {', '.join(known)}, got {written(given)}{_hint(given, known)}"
+    return FieldError(_dotted([*place.path, key]), text, plain_value(given), ", ".join(known))
 
 
-def _text(error: ErrorDetails, value: object) -> str:
+def _dotted(parts: list[str]) -> str:
+    return field_path(written(part) for part in parts)
+
+
+def _text(error: ErrorDetails) -> str:
     """Say what is wrong with a value, in our words where pydantic's are its own."""
     context = error.get("ctx", {})
     text = error["msg"].removeprefix("Value error, ")
     if error["type"] in _TEXTS:
         text = _TEXTS[error["type"]].format(**context)
-    return text if ", got " in text else f"{text}, got {value}"
+    return text if ", got " in text else f"{text}, got {written(error.get('input'))}"
 
 
 def _refusal(error: ErrorDetails, model: type[BaseModel]) -> FieldError:
-    place = _walk(model, tuple(part for part in error["loc"] if part != "[key]"))
-    path = [_written(part) for part in place.path]
-    context, value = error.get("ctx", {}), _short(error.get("input"))
+    place = _walk(model, tuple(part for part in error["loc"] if part != _KEY))
+    path, context, value = place.path, error.get("ctx", {}), plain_value(error.get("input"))
     if error["type"] == "combination":
-        where = ".".join([*path, context["path"]])
-        return FieldError(where, context["text"], _short(context["value"]))
+        where = ".".join(part for part in (_dotted(path), context["path"]) if part)
+        text = context["text"] if where else f"an experiment {context['text']}"
+        return FieldError(where, text, plain_value(context["value"]))
     if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return _wrong_tag(error, place)
     if error["type"] == "extra_forbidden":
         text = _unknown(path[-1], _walk(model, error["loc"][:-1]).holder)
-        return FieldError(".".join(path), text, value)
-    text = f"{path[-1] if path else 'an experiment'} {_text(error, value)}"
+        return FieldError(_dotted(path), text, value)
+    subject = written(path[-1]) if path else "an experiment"
+    # The rule for a name begins with whose name it is.
+    text = _text(error) if _KEY in error["loc"] else f"{subject} {_text(error)}"
     extra = place.info.json_schema_extra if place.info is not None else None
     allowed = allowed_text(extra) if isinstance(extra, dict) else ""
-    return FieldError(".".join(path), text, value, allowed or str(context.get("expected", "")))
+    return FieldError(_dotted(path), text, value, allowed or str(context.get("expected", "")))
 
 
 def field_errors(error: ValidationError, model: type[BaseModel]) -> list[FieldError]:

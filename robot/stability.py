@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from robot.experiment import MAX_STEPS, Experiment
+from robot.field_path import field_path
 from robot.margin import (
     margin_limit,
     sampling_margin,
@@ -75,7 +76,8 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
         wide = f"{_span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
         text = f"{rule}a limit cycle. Most of it is k₂/ε: it would take ε = {wide}{instead}."
-        yield Note("warning", f"lanes.{name}.epsilon", text, {"lanes": {name: {"epsilon": layer}}})
+        path = field_path(("lanes", name, "epsilon"))
+        yield Note("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
         return
     ways = [] if rate is None else [f"{rate:g} Hz"]
     ways += [f"gains {_short(gamma / limit)} times lower", "more armature"]
@@ -114,7 +116,7 @@ def _sign(packed: Packed, name: str) -> Iterator[Note]:
     width = _span(change.get("epsilon", lane.epsilon))
     yield Note(
         "info",
-        f"lanes.{name}.switching",
+        field_path(("lanes", name, "switching")),
         f"sign(S) makes the torque jump by 2k₂ = {_short(2.0 * np.max(lane.k2))} N·m up to "
         f"{simulation.control_rate:g} times a second: it chatters. tanh with ε = {width} rad/s is "
         "smooth at this rate.",
@@ -144,7 +146,7 @@ def _convergence(packed: Packed, name: str) -> Iterator[Note]:
     slow = f"{formula} = {_short(constant)} s, longer than the horizon of {horizon:g} s"
     yield Note(
         "info",
-        f"lanes.{name}.{field}",
+        field_path(("lanes", name, field)),
         (f"{slow}: it hardly converges." if constant < 1e6 else "Nothing pulls the error to zero.")
         + f" Try {symbol} = {value:g} {unit}.",
         {"lanes": {name: {field: value}}},
@@ -230,7 +232,7 @@ def _blindness(packed: Packed, name: str) -> Iterator[Note]:
         spacing = 2.0 * lane.center_span / 9.0
         yield Note(
             "info",
-            f"lanes.{name}.width",
+            field_path(("lanes", name, "width")),
             "The Gaussians are narrower than the gaps between their centres "
             f"({_short(spacing)} rad): between two of them the network is blind.",
             {"lanes": {name: {"width": float(f"{spacing:.2g}")}}},
@@ -264,7 +266,7 @@ def _windup(packed: Packed, name: str) -> Iterator[Note]:
     )
     yield Note(
         "info",
-        f"lanes.{name}.leakage",
+        field_path(("lanes", name, "leakage")),
         f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m a second. "
         f"{way_out}",
         {"lanes": {name: {"leakage": leakage}}} if leakage <= _MOST_LEAKAGE else None,

@@ -32,12 +32,12 @@ def write_whole_file(path: Path, content: bytes, overwrite: bool) -> None:
         if overwrite:
             os.replace(temporary, path)
         else:
-            _take_free_name(temporary, path, content)
+            _take_free_name(temporary, path)
     finally:
         Path(temporary).unlink(missing_ok=True)
 
 
-def _take_free_name(temporary: str, path: Path, content: bytes) -> None:
+def _take_free_name(temporary: str, path: Path) -> None:
     try:
         os.link(temporary, path)
     except FileExistsError:
@@ -46,5 +46,10 @@ def _take_free_name(temporary: str, path: Path, content: bytes) -> None:
         # Memory cards and some network folders know no hard links.
         if error.errno not in _NO_HARD_LINKS:
             raise
-        with path.open("xb") as file:
-            file.write(content)
+        # The name is taken empty, so that only one writer gets it, and filled at one stroke.
+        path.open("xb").close()
+        try:
+            os.replace(temporary, path)
+        except OSError:
+            path.unlink(missing_ok=True)
+            raise

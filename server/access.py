@@ -1,104 +1,51 @@
 """Who may talk to the server.
 
-Three checks, in this order, on every HTTP request and every WebSocket:
+Five checks, in this order, on every HTTP request and every WebSocket:
 
 1. *Host.* A server bound to loopback answers only to `localhost`, `127.0.0.1`, `[::1]` (and the
    loopback address it is bound to) at its own port. A page whose name was re-pointed at
-   127.0.0.1 (DNS rebinding) sends its own name and is refused. A server bound to anything else
+   127.0.0.1 (DNS rebinding) sends its own name and is refused. A server that asks for a token
    can't know the names, addresses and forwarded ports that it is reached by, so it accepts any
    well-formed Host: there the token guards, which such a page neither knows nor gets a cookie
    for.
 2. *Origin.* Where a browser sends one it must be the host and port that Host names. Browsers
    always send it with WebSockets and with methods that change something; scripts need none.
-3. *Token.* A server bound to anything but loopback wants its token with every request:
+3. *Site.* Where a browser says that another site's page asks (Sec-Fetch-Site), it may follow a
+   link to a page of ours; it may load nothing of ours into its own, nor frame it.
+4. *Token.* A server bound to anything but loopback wants a token with every request:
    `?token=` (once: a browser gets a cookie for it and goes on without it), the cookie, or
-   `Authorization: Bearer`.
+   `Authorization: Bearer`. There are two: the owner's and the viewers'.
+5. *Role.* A viewer reads: `GET`, `HEAD`, `OPTIONS`. Whatever else there is changes something or
+   takes the processor, and is refused here for all routes at once. What a viewer may send over a
+   WebSocket is the business of ``server.routes.live`` and ``server.scene_relay``, which find the
+   role in the scope.
 """
 
 from __future__ import annotations
 
-import html
-import ipaddress
-import re
-import secrets
-import socket
-from dataclasses import dataclass, field
-from hmac import compare_digest
-from typing import NamedTuple
-from urllib.parse import quote, unquote_plus
+from urllib.parse import unquote_plus
 
 from starlette.requests import HTTPConnection
-from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
+from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from server.errors import error_body
+from server.access_policy import WATCH_ONLY, AccessPolicy, Role, same_origin
+from server.access_refusal import Refusal, is_navigation, own_url, refused
 from server.security_headers import with_security_headers
 
-_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8">{refresh}<title>Slidetune</title>
-<body style="font:1rem/1.5 system-ui;max-width:40rem;margin:4rem auto;padding:0 1rem">
-<h1>Slidetune</h1><p>{message}</p></body></html>"""
+READING = ("GET", "HEAD", "OPTIONS")
+"""Methods of a viewer."""
 _TOKEN_MESSAGE = (
     "This server asks for its token: open the address that the server printed when it started "
     "(it ends in ?token=…). A program sends the token as Authorization: Bearer …"
 )
-_HOST = re.compile(r"([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\])(?::([0-9]{1,5}))?")
-_DEFAULT_PORTS = {"http": 80, "ws": 80, "https": 443, "wss": 443}
+_FRAMES = ("frame", "iframe", "embed", "object")
 
 
-@dataclass(frozen=True)
-class AccessPolicy:
-    """What a request must bring.
-
-    Attributes:
-        host: the name or address that the server is bound to.
-        port: the TCP port that it is bound to.
-        token: the secret, or None where no token is asked for; left out of the repr.
-    """
-
-    host: str
-    port: int
-    token: str | None = field(default=None, repr=False)
-
-    @property
-    def cookie(self) -> str:
-        """Name of the cookie; it holds the port because all ports of a host share cookies."""
-        return f"slidetune_{self.port}"
-
-    def address(self) -> str:
-        """Return the address to open, token included: print it, never log it."""
-        host = socket.gethostname() if self.host in ("", "0.0.0.0", "::") else self.host
-        query = "" if self.token is None else f"?token={quote(self.token, safe='')}"
-        return f"http://{_bracketed(host)}:{self.port}/{query}"
-
-    def allows_host(self, host: str, scheme: str) -> bool:
-        """Say whether a Host header may name this server (rule 1 of the module)."""
-        if not _is_loopback(self.host):
-            return _HOST.fullmatch(host) is not None
-        names = ("localhost", "127.0.0.1", "[::1]", _bracketed(self.host).lower())
-        return _split_host(host, scheme) in [(name, self.port) for name in names]
-
-    def allows_token(self, given: str | None) -> bool:
-        """Compare with the token in constant time; always True where there is none."""
-        if self.token is None:
-            return True
-        return given is not None and compare_digest(given.encode(), self.token.encode())
-
-
-def policy_for(host: str, port: int) -> AccessPolicy:
-    """Return the policy of a server that binds this address, with a new token if it needs one.
-
-    Args:
-        host: the name or address to bind. `localhost` and loopback addresses need no token;
-            every other name does, and so does the empty one, which binds all interfaces.
-        port: the TCP port to bind.
-    """
-    return AccessPolicy(host, port, None if _is_loopback(host) else secrets.token_urlsafe(32))
-
-
-class _Refusal(NamedTuple):
-    status: int
-    code: str
-    message: str
+def role_in(scope: Scope) -> Role:
+    """Return the role that a request was admitted in; the owner's where nobody guards."""
+    role: Role = scope.get("slidetune.role", "owner")
+    return role
 
 
 class Access:
@@ -116,19 +63,38 @@ class Access:
             return
         given = _take_token(scope) if self._policy.token is not None else None
         connection = HTTPConnection(scope)
-        refusal = self._refusal(connection, given)
+        secret = self._valid(connection, given)
+        refusal = self._refusal(connection, secret)
         app: ASGIApp = self._app
         if scope["type"] == "websocket":
             if refusal is not None:
                 await send({"type": "websocket.close", "code": 1008, "reason": refusal.code})
                 return
         elif refusal is not None:
-            app = _refused(connection, refusal)
-        elif given is not None and _is_navigation(connection):
-            app = self._settled(connection)
+            app = refused(connection, refusal)
+        elif given is not None and secret == given and is_navigation(connection):
+            app = self._settled(connection, given)
+        scope["slidetune.role"] = self._policy.role_of(secret)
         await app(scope, receive, with_security_headers(connection, send))
 
-    def _refusal(self, connection: HTTPConnection, given: str | None) -> _Refusal | None:
+    def _valid(self, connection: HTTPConnection, given: str | None) -> str | None:
+        """Return the first token of a request that opens anything."""
+        candidates = (given, _bearer(connection), connection.cookies.get(self._policy.cookie))
+        return next((each for each in candidates if each and self._policy.role_of(each)), None)
+
+    def _refusal(self, connection: HTTPConnection, secret: str | None) -> Refusal | None:
+        foreign = self._foreign(connection)
+        if foreign is not None:
+            return foreign
+        role = self._policy.role_of(secret)
+        if role is None:
+            return Refusal(401, "token_required", _TOKEN_MESSAGE)
+        if role == "viewer" and connection.scope.get("method", "GET") not in READING:
+            return Refusal(403, "watch_only", WATCH_ONLY)
+        return None
+
+    def _foreign(self, connection: HTTPConnection) -> Refusal | None:
+        """Return why a request comes from, or is meant for, somewhere else (rules 1 to 3)."""
         hosts = connection.headers.getlist("host")
         if len(hosts) != 1 or not self._policy.allows_host(hosts[0], connection["scheme"]):
             message = (
@@ -136,21 +102,21 @@ class Access:
                 f"server. Open http://localhost:{self._policy.port}/ on this machine; "
                 "a forwarded port must have the same number at both ends."
             )
-            return _Refusal(403, "host_refused", message)
+            return Refusal(403, "host_refused", message)
         for origin in connection.headers.getlist("origin"):
-            if not _same_origin(origin, hosts[0]):
+            if not same_origin(origin, hosts[0]):
                 message = f"A page of {origin} may not use the server at {hosts[0]}."
-                return _Refusal(403, "origin_refused", message)
-        candidates = (given, _bearer(connection), connection.cookies.get(self._policy.cookie))
-        if not any(self._policy.allows_token(candidate) for candidate in candidates):
-            return _Refusal(401, "token_required", _TOKEN_MESSAGE)
+                return Refusal(403, "origin_refused", message)
+        if _is_embedded_elsewhere(connection):
+            message = f"A page of another site may not load anything of {hosts[0]} into itself."
+            return Refusal(403, "site_refused", message)
         return None
 
-    def _settled(self, connection: HTTPConnection) -> Response:
-        response = RedirectResponse(_own_url(connection), 303)
+    def _settled(self, connection: HTTPConnection, token: str) -> Response:
+        response = RedirectResponse(own_url(connection), 303)
         response.set_cookie(
             self._policy.cookie,
-            self._policy.token or "",
+            token,
             httponly=True,
             samesite="strict",
             secure=connection["scheme"] == "https",
@@ -159,31 +125,13 @@ class Access:
         return response
 
 
-def _is_loopback(host: str) -> bool:
-    if host.lower() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
+def _is_embedded_elsewhere(connection: HTTPConnection) -> bool:
+    headers = connection.headers
+    if headers.get("sec-fetch-site") not in ("cross-site", "same-site"):
         return False
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host
-
-
-def _split_host(host: str, scheme: str) -> tuple[str, int] | None:
-    match = _HOST.fullmatch(host)
-    return match and (match[1].lower(), int(match[2] or _DEFAULT_PORTS[scheme]))
-
-
-def _same_origin(origin: str, host: str) -> bool:
-    # The Origin's own scheme fills in missing ports: behind a proxy that ends TLS ours differs.
-    scheme, _, rest = origin.partition("://")
-    if scheme not in ("http", "https"):
-        return False
-    named = _split_host(rest, scheme)
-    return named is not None and named == _split_host(host, scheme)
+    # Another port of this machine is the same site and still another program.
+    mode, destination = headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest")
+    return mode != "navigate" or destination in _FRAMES
 
 
 def _take_token(scope: Scope) -> str | None:
@@ -202,44 +150,3 @@ def _take_token(scope: Scope) -> str | None:
 def _bearer(connection: HTTPConnection) -> str | None:
     scheme, _, value = connection.headers.get("authorization", "").partition(" ")
     return value.strip() if scheme.lower() == "bearer" else None
-
-
-def _wants_html(connection: HTTPConnection) -> bool:
-    return "text/html" in connection.headers.get("accept", "")
-
-
-def _is_navigation(connection: HTTPConnection) -> bool:
-    # Browsers that don't send Sec-Fetch-Mode ask for HTML by name when they navigate.
-    mode = connection.headers.get("sec-fetch-mode", "navigate")
-    return connection["method"] == "GET" and mode == "navigate" and _wants_html(connection)
-
-
-def _from_elsewhere(connection: HTTPConnection) -> bool:
-    fetch_site = connection.headers.get("sec-fetch-site")
-    return fetch_site == "cross-site" and _is_navigation(connection)
-
-
-def _own_url(connection: HTTPConnection) -> str:
-    # One slash in front: `//name/` would lead to another server.
-    path = "/" + quote(connection["path"].lstrip("/\\"))
-    query = connection["query_string"].decode("latin-1")
-    return f"{path}?{query}" if query else path
-
-
-def _refused(connection: HTTPConnection, refusal: _Refusal) -> Response:
-    response: Response
-    if _wants_html(connection):
-        refresh = ""
-        if refusal.status == 401 and _from_elsewhere(connection):
-            # A navigation that another site began carries no SameSite=Strict cookie, through
-            # no redirect either. One that this page begins does, if there is a cookie.
-            url = html.escape(_own_url(connection))
-            refresh = f'<meta http-equiv="refresh" content="0;url={url}">'
-        page = _PAGE.format(refresh=refresh, message=html.escape(refusal.message))
-        response = HTMLResponse(page, refusal.status)
-    else:
-        response = JSONResponse(error_body(refusal.code, refusal.message), refusal.status)
-    if refusal.status == 401:
-        response.headers["www-authenticate"] = "Bearer"
-    response.headers["cache-control"] = "no-store"
-    return response

@@ -12,8 +12,11 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from robot import __version__
-from server.access import Access, AccessPolicy
+from server.access import Access
+from server.access_policy import AccessPolicy
+from server.body_limit import BodyLimit
 from server.hub import Hub
+from server.openapi import REFUSALS
 from server.places import PLOTLY, WEB
 from server.refusals import install_refusals
 from server.routes.docs import docs_router
@@ -78,6 +81,7 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,
+        responses=REFUSALS,
     )
     install_refusals(app)
     app.include_router(session_router(studio))
@@ -90,9 +94,10 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
     app.include_router(lens_router(studio))
     app.include_router(live_router(studio, hub))
     app.include_router(docs_router())
-    app.include_router(scene_router(studio.view.scene.port))
+    scene = studio.view.scene
+    app.include_router(scene_router(scene.port, scene.lock()))
     _serve_page(app)
-    return Access(app, policy)
+    return Access(BodyLimit(app), policy)
 
 
 def _serve_page(app: FastAPI) -> None:

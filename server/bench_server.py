@@ -35,11 +35,13 @@ class RunningServer:
         port: its port on this machine.
         process: its process id.
         ready: time from the start of the process until it said that it answers in [s].
+        said: the lines of its log so far; more come while it runs.
     """
 
     port: int
     process: int
     ready: float
+    said: list[str]
 
 
 @contextmanager
@@ -66,12 +68,13 @@ def running_server(
         encoding="utf-8",
     )
     lines: queue.Queue[str | None] = queue.Queue()
-    reader = threading.Thread(target=_read, args=(process, lines), daemon=True)
+    said: list[str] = []
+    reader = threading.Thread(target=_read, args=(process, lines, said), daemon=True)
     reader.start()
     with process:  # closes the pipe
         try:
             port = _port(lines, begin)
-            yield RunningServer(port, process.pid, perf_counter() - begin)
+            yield RunningServer(port, process.pid, perf_counter() - begin, said)
         finally:
             _end(process)
             reader.join()
@@ -85,9 +88,10 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.kill()
 
 
-def _read(process: subprocess.Popen[str], lines: queue.Queue[str | None]) -> None:
+def _read(process: subprocess.Popen[str], lines: queue.Queue[str | None], said: list[str]) -> None:
     for line in process.stderr or ():
-        lines.put(line.rstrip())
+        said.append(line.rstrip())
+        lines.put(said[-1])
     lines.put(None)
 
 

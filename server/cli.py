@@ -25,6 +25,13 @@ cli = typer.Typer(
 )
 console = Console(stderr=True, highlight=False)
 
+HostOption = Annotated[
+    str, typer.Option(help="Address to bind; 0.0.0.0 for all. Any but loopback asks for a token.")
+]
+TokenOption = Annotated[
+    bool,
+    typer.Option("--token", help="Ask for a token on loopback too, as behind a proxy with TLS."),
+]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="The next free one if it is taken.")]
 PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
 PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML file.")]
@@ -56,12 +63,17 @@ def default(
 
 @cli.command()
 def serve(
-    host: Annotated[str, typer.Option(help="Any but loopback asks for a token.")] = "127.0.0.1",
+    host: HostOption = "127.0.0.1",
     port: Port = 8000,
     preset: PresetOption = "paper",
     browser: Annotated[bool, typer.Option(help="Open the dashboard in a browser.")] = True,
+    token: TokenOption = False,
 ) -> None:
-    """Serve the dashboard."""
+    """Serve the dashboard.
+
+    Prints the address to open. Where it asks for a token there are two of them, new at every
+    start: the owner's, and one with which others may watch but change nothing.
+    """
     from robot.preset_name import is_preset_name
     from robot.presets import load_preset
     from server.serve import serve as serve_dashboard
@@ -70,7 +82,7 @@ def serve(
     experiment = load_preset(preset)
     warm_up_with_bar(console)
     name = preset if is_preset_name(preset) else ""
-    serve_dashboard(experiment, name, host, port, browser)
+    serve_dashboard(experiment, name, host, port, browser, token)
 
 
 @cli.command()

@@ -4,27 +4,36 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from robot.experiment import LaneName
 from server.push import KICK, KICK_DURATION
 from server.session import SPEEDS
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Torque = Annotated[Finite, Field(ge=-1000.0, le=1000.0)]
-SixTorques = tuple[Torque, Torque, Torque, Torque, Torque, Torque]
+RequestId = (
+    Annotated[int, Field(strict=True, ge=-(2**53), le=2**53)]
+    | Annotated[str, Field(strict=True, max_length=80)]
+)
+_REQUEST_ID: TypeAdapter[int | str] = TypeAdapter(RequestId)
+# JSON knows lists only; what is in it is as strict as elsewhere.
+SixTorques = Annotated[tuple[Torque, Torque, Torque, Torque, Torque, Torque], Field(strict=False)]
 
 
 class Strict(BaseModel):
-    """A message that refuses what it doesn't know."""
+    """A message that refuses what it doesn't know, and takes no ``true`` for a 1."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
 
 class RefusedField(BaseModel):
     """One refused value."""
 
-    path: str = Field(examples=["lanes.NFTSM.nu"])
+    path: str = Field(
+        examples=["lanes.NFTSM.nu", 'lanes."nu 0.5".nu'],
+        description="Dotted keys; one that holds a dot or a quote stands in quotes, as in TOML.",
+    )
     message: str = Field(examples=["nu must be in [0.01, 100] 1/s, got -3"])
     value: Any = Field(None, examples=[-3])
     allowed: str = Field("", examples=["[0.01, 100] 1/s"])
@@ -51,6 +60,8 @@ class Health(BaseModel):
     version: str
     uptime: float = Field(description="Seconds since the start.")
     state: Literal["running", "paused"]
+    role: Literal["owner", "viewer"] = Field(description="A viewer watches and changes nothing.")
+    limits: dict[str, int] = Field(description="By name: sizes in bytes, rates a second.")
 
 
 class LawInfo(BaseModel):
@@ -139,40 +150,49 @@ class Speed(Strict):
     speed: float = Field(ge=SPEEDS[0], le=SPEEDS[1], examples=[0.5])
 
 
+def is_request_id(value: object) -> bool:
+    """Whether a message may bear this as its ``id``, which comes back in the answer."""
+    try:
+        _REQUEST_ID.validate_python(value)
+    except ValidationError:
+        return False
+    return True
+
+
 class PatchMessage(Strict):
     """Change the experiment by a JSON Merge Patch."""
 
     type: Literal["patch"]
     patch: dict[str, Any]
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class PlainCommand(Strict):
     """A command without anything to say."""
 
     type: Literal["play", "pause", "reset"]
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class StepMessage(Steps):
     """Pause and make some steps."""
 
     type: Literal["step"]
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class KickMessage(Kick):
     """Push all lanes' joints."""
 
     type: Literal["kick"]
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class SpeedMessage(Speed):
     """Change the speed."""
 
     type: Literal["speed"]
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class SelectMessage(Strict):
@@ -180,7 +200,7 @@ class SelectMessage(Strict):
 
     type: Literal["select"]
     lane: str
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class ViewMessage(Strict):
@@ -189,7 +209,7 @@ class ViewMessage(Strict):
     type: Literal["view"]
     exaggeration: float | None = Field(None, ge=1.0, le=50.0)
     ghosts: bool | None = None
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 class LaneMessage(Strict):
@@ -198,7 +218,7 @@ class LaneMessage(Strict):
     type: Literal["lane"]
     origin: str
     name: LaneName
-    id: int | str | None = None
+    id: RequestId | None = None
 
 
 ClientMessage = Annotated[

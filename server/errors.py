@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
+
+LONGEST_MESSAGE = 8000
+"""Most characters of a whole message (*ours*); twenty refused fields are told at once."""
+LONGEST_TEXT = 2000
+"""Most characters of any other text in an error (*ours*)."""
 
 
 def error_body(
@@ -16,6 +22,17 @@ def error_body(
         fields: one mapping for each refused value (path, message, value, allowed).
 
     Returns:
-        The body, ready for JSON.
+        The body, ready for JSON: its texts are bounded and UTF-8 can carry them, whatever they
+        repeat of what was sent.
     """
-    return {"error": {"code": code, "message": message, "fields": [dict(f) for f in fields]}}
+    told = [{key: _sendable(value, LONGEST_TEXT) for key, value in one.items()} for one in fields]
+    return {"error": {"code": code, "message": _sendable(message, LONGEST_MESSAGE), "fields": told}}
+
+
+def _sendable(value: object, longest: int) -> object:
+    if isinstance(value, float) and not isfinite(value):
+        return str(value)
+    if not isinstance(value, str):
+        return value
+    text = value if len(value) <= longest else value[:longest] + "…"
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -10,7 +10,10 @@ from typing import Any
 
 from starlette.websockets import WebSocket
 
+from server.access_policy import Role
+from server.allowance import Allowance
 from server.document import Change
+from server.limits import TOTAL_BURST, TOTAL_RATE
 from server.studio import Studio
 
 FRAME = 1.0 / 30.0
@@ -29,9 +32,10 @@ def encode(message: dict[str, Any]) -> str:
 class Client:
     """One browser or script: its own outbox, its own place in the telemetry."""
 
-    def __init__(self, name: str, socket: WebSocket, studio: Studio) -> None:
+    def __init__(self, name: str, socket: WebSocket, studio: Studio, role: Role = "owner") -> None:
         """Begin at the present."""
         self.name = name
+        self.role = role
         self._socket = socket
         self._studio = studio
         self._outbox: deque[str] = deque()
@@ -67,7 +71,7 @@ class Client:
         if self._telemetry is not self._studio.session.telemetry:
             self._telemetry = self._studio.session.telemetry
             self._cursor = max(0, self._telemetry.written - 1)
-            hello = self._studio.hello(self.name, self._telemetry)
+            hello = {**self._studio.hello(self.name, self._telemetry), "role": self.role}
             await self._socket.send_text(encode(hello))
         while self._outbox:
             await self._socket.send_text(self._outbox.popleft())
@@ -87,6 +91,7 @@ class Hub:
     def __init__(self, studio: Studio) -> None:
         """Listen to the document and to the session."""
         self.clients: set[Client] = set()
+        self.patches = Allowance(TOTAL_RATE, TOTAL_BURST)
         self._studio = studio
         self._count = 0
         self._changed = asyncio.Event()
@@ -98,6 +103,7 @@ class Hub:
         self._studio.document.listeners.append(self._on_change)
         self._studio.session.on_change = lambda: self._soon(self._changed.set)
         self._studio.session.on_swap = lambda: self._soon(self._wake)
+        self._studio.session.on_notice = self._notice
         return self._loop.create_task(self._publish(), name="slidetune-publish")
 
     def new_name(self) -> str:
@@ -131,6 +137,9 @@ class Hub:
     def _soon(self, action: Callable[[], None]) -> None:
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(action)
+
+    def _notice(self, text: str) -> None:
+        self._soon(lambda: self.broadcast({"type": "notice", "message": text}))
 
     def _wake(self) -> None:
         for client in self.clients:

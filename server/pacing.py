@@ -16,12 +16,18 @@ LONGEST = 0.25
 """Most wall time that is caught up after a shortage in [s]; a suspended process isn't (*ours*)."""
 
 
+STALL = 1.0
+"""Wall time without a tick in [s] from which people are told of it (*ours*)."""
+
+
 class Pacer:
     """A budget of simulated time that grows with the wall's and is spent by steps.
 
     Attributes:
         speed: simulated seconds a wall second.
         capped: whether steps were lately too slow for the speed and debt was dropped.
+        stalled: wall time that passed without a tick before this one in [s], 0 where that is
+            nothing to speak of: the process was suspended, or kept from the processor.
     """
 
     def __init__(self, clock: Callable[[], float] = perf_counter) -> None:
@@ -33,6 +39,7 @@ class Pacer:
     def restart(self) -> None:
         """Forget the budget and the measurements, as after a pause."""
         self.capped = False
+        self.stalled = 0.0
         self._capped_at = -1e9
         self._budget = 0.0
         self._simulated = 0.0
@@ -45,6 +52,7 @@ class Pacer:
         gap = now - self._last
         if gap > LONGEST:
             self._capped_at = now
+        self.stalled = gap if gap > STALL else 0.0
         self._budget += min(gap, LONGEST) * self.speed
         self._last = now
         return now + BUSY * TICK

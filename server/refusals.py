@@ -9,7 +9,6 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 from starlette.exceptions import HTTPException
 
 from robot.errors import (
@@ -21,7 +20,10 @@ from robot.errors import (
     UnknownPresetError,
 )
 from server.errors import error_body
+from server.limits import TooManyPatchesError, TooManyPresetsError, TooManyStudiesError
+from server.openapi import methods_at
 from server.workers import BusyError, WorkerLostError
+from server.wrong_request import refused_fields
 
 log = logging.getLogger("slidetune.http")
 
@@ -42,6 +44,9 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (PresetStorageError, 507, "storage"),
     (WorkerLostError, 503, "worker_lost"),
     (BusyError, 503, "busy"),
+    (TooManyPatchesError, 429, "too_many_patches"),
+    (TooManyStudiesError, 429, "too_many_studies"),
+    (TooManyPresetsError, 507, "too_many_presets"),
 )
 _LONGEST = 200
 
@@ -74,20 +79,7 @@ def refusal_body(error: SlidetuneError) -> dict[str, Any]:
 
 def message_body(error: ValidationError | RequestValidationError) -> dict[str, Any]:
     """Return the body that tells what is wrong with a message or a request."""
-    details: list[ErrorDetails] = list(error.errors())[:20]
-    fields = []
-    for detail in details:
-        path = ".".join(str(part) for part in detail["loc"] if part not in ("body", "query"))
-        text = detail["msg"]
-        fields.append(
-            {
-                "path": path,
-                "message": f"{path}: {text}" if path else text,
-                "value": _plain(detail.get("input")),
-                "allowed": "",
-                "line": None,
-            }
-        )
+    fields = refused_fields(error.errors())
     return error_body("invalid", "; ".join(str(field["message"]) for field in fields), fields)
 
 
@@ -102,10 +94,21 @@ async def _request(_: Request, error: Exception) -> JSONResponse:
     return JSONResponse(message_body(error), 422)
 
 
-async def _http(_: Request, error: Exception) -> JSONResponse:
+async def _http(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
     code = _CODES.get(error.status_code, "error")
-    return JSONResponse(error_body(code, str(error.detail)), error.status_code, error.headers)
+    path = request.url.path
+    said = {
+        "Not Found": f"there is nothing at {path}",
+        "There was an error parsing the body": "the body isn't JSON in UTF-8 that can be read",
+        "Method Not Allowed": f"{request.method} is not offered at {path}",
+    }
+    message = said.get(str(error.detail), str(error.detail))
+    answer = JSONResponse(error_body(code, message), error.status_code, error.headers)
+    # Starlette names the methods of the first route at this path alone.
+    if error.status_code == 405 and (methods := methods_at(request.app, request.url.path)):
+        answer.headers["allow"] = ", ".join(methods)
+    return answer
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:

@@ -21,6 +21,7 @@ from server.gizmo import Gizmo
 from server.response_paths import ResponsePaths
 from server.scene_arm import GhostArm, SolidArm, joint_orientations
 from server.scene_frame import LaneStyle, SceneFrame, ShownLane
+from server.scene_lock import lock_scene
 from server.trails import TrailLine
 from server.viewer import GREY, close_viewer, open_viewer
 
@@ -152,6 +153,10 @@ class Scene:
         Safe to call from any thread. Shape (3,).
         """
         return self._gizmo.force()
+
+    def lock(self) -> str:
+        """Let only those connect to Viser's own port who know a key; return the key."""
+        return lock_scene(self._viewer)
 
     def close(self) -> None:
         """Stop Viser and its threads."""

@@ -2,7 +2,11 @@
 
 Viser listens on a loopback port of its own, which a browser elsewhere can't reach and which
 checks nobody. This relay carries its page and its WebSocket through the server's one address:
-one port to forward, one place where access is checked.
+one port to forward, one place where access is checked. Viser's own port is locked with a key that
+only the relay knows (``server.scene_lock``).
+
+Messages to Viser wait where they come faster than they may. Of a viewer's messages only the
+camera's pass: everything else that a browser can say to Viser pulls at the arm or presses a button.
 
 Viser's page opens its WebSocket at its own address without the last slash, so `/scene` and
 `/scene/` both take WebSockets, while a plain `GET /scene` is sent on to `/scene/`.
@@ -15,6 +19,7 @@ from contextlib import aclosing, suppress
 from urllib.parse import quote
 
 import httpx
+import msgspec
 from fastapi import APIRouter
 from starlette.datastructures import Headers
 from starlette.requests import Request
@@ -26,10 +31,17 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.frames import Close
 from websockets.typing import Subprotocol
 
+from server.access import role_in
+from server.allowance import Allowance
 from server.errors import error_body
+from server.limits import MAX_CLIENTS, SCENE_BURST, SCENE_RATE
+from server.scene_lock import KEY_HEADER
+from server.seats import Seats
 
 # Ours: far above any scene of this project, so that it only stops a runaway message [byte].
 MAX_MESSAGE = 64 * 2**20
+# Ours: longest path of a file in bytes; Viser's have 40, and it fails on what no disk can hold.
+LONGEST_PATH = 255
 # Ours: messages held for a browser that reads more slowly than Viser writes.
 MAX_QUEUE = 16
 # Ours: below the 5 s after which Viser's page gives an attempt up, so that it gets a reason [s].
@@ -47,18 +59,26 @@ _HOP_BY_HOP = ("connection", "keep-alive", "proxy-authenticate", "te", "trailer"
 DROPPED_RESPONSE_HEADERS = (*_HOP_BY_HOP, "transfer-encoding", "date", "server")
 _LEFT = Close(1001, "The browser has left.")
 _SCENE_IS_DOWN = Close(1013, "The 3D scene does not answer; restart Slidetune if this lasts.")
+_SCENE_IS_FULL = Close(1013, f"{MAX_CLIENTS} browsers show the 3D scene already.")
+VIEWERS_MESSAGES = ("ViewerCameraMessage",)
+"""What a viewer may say to Viser: where its camera is, without which Viser shows it nothing."""
 
 
-def scene_router(port: int) -> APIRouter:
+class SceneIsFullError(Exception):
+    """As many browsers show the scene as may."""
+
+
+def scene_router(port: int, key: str = "") -> APIRouter:
     """Return the routes that relay a Viser server; include them without a prefix.
 
     Args:
         port: the TCP port on 127.0.0.1 that Viser listens on.
+        key: what ``server.scene_lock.lock_scene`` returned, where that port is locked.
 
     Returns:
         `GET` and `HEAD` of `/scene` and `/scene/...`, WebSockets at `/scene` and `/scene/`.
     """
-    relay = SceneRelay(port)
+    relay = SceneRelay(port, key)
     return APIRouter(
         routes=[
             Route("/scene", _add_slash, methods=["GET"], include_in_schema=False),
@@ -78,9 +98,11 @@ async def _add_slash(request: Request) -> RedirectResponse:
 class SceneRelay:
     """ASGI application that relays one request or WebSocket a call and keeps nothing after it."""
 
-    def __init__(self, port: int) -> None:
-        """Relay to this TCP port on 127.0.0.1."""
+    def __init__(self, port: int, key: str = "") -> None:
+        """Relay to this TCP port on 127.0.0.1, with the key that opens it."""
         self._address = f"127.0.0.1:{port}"
+        self._key = {KEY_HEADER: key} if key else {}
+        self._seats = Seats(MAX_CLIENTS, SceneIsFullError)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Relay the request or the WebSocket that the scope describes."""
@@ -88,6 +110,10 @@ class SceneRelay:
         await relay(scope, receive, send)
 
     async def _relay_http(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if len(scope["path_params"]["path"].encode("utf-8", "replace")) > LONGEST_PATH:
+            body = error_body("address_refused", "The scene has no address that long.")
+            await JSONResponse(body, 404)(scope, receive, send)
+            return
         # No proxy of the user's for loopback; no 30 ms for certificates that HTTP never reads.
         async with httpx.AsyncClient(trust_env=False, verify=False) as client:
             try:
@@ -118,8 +144,18 @@ class SceneRelay:
         await receive()  # websocket.connect
         offered = [Subprotocol(name) for name in scope["subprotocols"]]
         try:
+            with self._seats.one():
+                await self._converse(scope, offered, receive, send)
+        except SceneIsFullError:
+            await _turn_away(offered, _SCENE_IS_FULL, send)
+
+    async def _converse(
+        self, scope: Scope, offered: list[Subprotocol], receive: Receive, send: Send
+    ) -> None:
+        try:
             upstream = await connect(
                 f"ws://{self._address}/",
+                additional_headers=self._key,
                 subprotocols=offered or None,
                 compression=None,  # Viser's messages are compressed already
                 proxy=None,
@@ -130,15 +166,33 @@ class SceneRelay:
                 max_queue=MAX_QUEUE,
             )
         except (OSError, TimeoutError, InvalidHandshake):
-            # A close code only reaches a browser after an accept, and a browser only takes an
-            # accept that names one of the subprotocols it offered.
-            first = offered[0] if offered else None
-            await send({"type": "websocket.accept", "subprotocol": first})
-            await _close_browser(send, _SCENE_IS_DOWN)
+            await _turn_away(offered, _SCENE_IS_DOWN, send)
             return
+        watching = role_in(scope) == "viewer"
         async with upstream:
             await send({"type": "websocket.accept", "subprotocol": upstream.subprotocol})
-            await _pump_both_ways(upstream, receive, send)
+            await _pump_both_ways(upstream, receive, send, watching)
+
+
+async def _turn_away(offered: list[Subprotocol], close: Close, send: Send) -> None:
+    # A close code only reaches a browser after an accept, and a browser only takes an accept
+    # that names one of the subprotocols it offered.
+    await send({"type": "websocket.accept", "subprotocol": offered[0] if offered else None})
+    await _close_browser(send, close)
+
+
+def viewer_may_say(data: str | bytes) -> bool:
+    """Say whether a message to Viser is one that a viewer may send.
+
+    Read by the very decoder that Viser reads with, so that both see the same message.
+    """
+    if isinstance(data, str):
+        return False
+    try:
+        message = msgspec.msgpack.decode(data)
+    except (msgspec.DecodeError, RecursionError):
+        return False
+    return isinstance(message, dict) and message.get("type") in VIEWERS_MESSAGES
 
 
 async def _send_response(upstream: httpx.Response, head_only: bool, send: Send) -> None:
@@ -153,10 +207,12 @@ async def _send_response(upstream: httpx.Response, head_only: bool, send: Send) 
     await send({"type": "http.response.body", "body": b""})
 
 
-async def _pump_both_ways(upstream: ClientConnection, receive: Receive, send: Send) -> None:
+async def _pump_both_ways(
+    upstream: ClientConnection, receive: Receive, send: Send, watching: bool
+) -> None:
     async with asyncio.TaskGroup() as pumps:
         down = pumps.create_task(_scene_to_browser(upstream, send))
-        up = pumps.create_task(_browser_to_scene(receive, upstream))
+        up = pumps.create_task(_browser_to_scene(receive, upstream, watching))
         down.add_done_callback(lambda _: up.cancel())
         up.add_done_callback(lambda _: down.cancel())
     if upstream.close_code is None:
@@ -177,11 +233,15 @@ async def _scene_to_browser(upstream: ClientConnection, send: Send) -> None:
             await send({"type": "websocket.send", kind: data})
 
 
-async def _browser_to_scene(receive: Receive, upstream: ClientConnection) -> Close:
+async def _browser_to_scene(receive: Receive, upstream: ClientConnection, watching: bool) -> Close:
+    allowance = Allowance(SCENE_RATE, SCENE_BURST)
     with suppress(ConnectionClosed):
         while (message := await receive())["type"] == "websocket.receive":
             data = message.get("bytes")
-            await upstream.send(message["text"] if data is None else data)
+            said: str | bytes = message["text"] if data is None else data
+            await asyncio.sleep(allowance.wait())
+            if not watching or viewer_may_say(said):
+                await upstream.send(said)
         return _sendable(message.get("code", 1000), message.get("reason") or "", _LEFT)
     return _LEFT
 

@@ -35,6 +35,7 @@ def with_security_headers(connection: HTTPConnection, send: Send) -> Send:
     """
     security = {
         "content-security-policy": _content_policy(connection),
+        "cross-origin-resource-policy": "same-origin",
         "referrer-policy": "no-referrer",
         "x-content-type-options": "nosniff",
     }

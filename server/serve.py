@@ -11,38 +11,47 @@ import uvicorn
 from rich.console import Console
 
 from robot.experiment import Experiment
-from server.access import AccessPolicy, policy_for
+from server.access_policy import AccessPolicy, policy_for
+from server.allocator import map_large_blocks_apart
 from server.app import create_app
+from server.limits import MAX_MESSAGE
 from server.studio import Studio
 
-MAX_MESSAGE = 256 * 1024
-"""Largest WebSocket message that a client may send in bytes (*ours*)."""
 PORTS = 20
 """How many ports are tried from the wanted one on (*ours*)."""
+BACKLOG = 2048
+"""Connections that may wait to be accepted (*ours*): as many as uvicorn's own default."""
 
 console = Console(stderr=True, highlight=False)
 
 
 def free_socket(host: str, port: int) -> socket.socket:
-    """Bind the first free port from ``port`` on; 0 takes any.
+    """Listen on the first free port from ``port`` on; 0 takes any.
 
     Raises:
         OSError: if none of twenty is free, or the host isn't one of this machine.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     last: OSError | None = None
-    for candidate in range(port, min(port + PORTS, 65536)):
+    tried = range(port, min(port + PORTS, 65536) if port else 1)
+    for candidate in tried:
         bound = socket.socket(family, socket.SOCK_STREAM)
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             bound.bind((host, candidate))
+            # A port that is only bound can be bound again: two servers that start at the same
+            # moment would both get it, and one of them would never hear anybody.
+            bound.listen(BACKLOG)
             return bound
         except OSError as error:
             bound.close()
             last = error
-            if port == 0:
-                break
-    raise last or OSError(f"no port from {port} on")
+    reason = last.strerror if last is not None else "there is no such port"
+    text = (
+        f"can't listen on {host}, port {tried[0]} to {tried[-1]}: {reason}; "
+        "choose another with --port, or any free one with --port 0"
+    )
+    raise OSError(text) from last
 
 
 class _Server(uvicorn.Server):
@@ -55,13 +64,23 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        address = self._policy.address()
-        console.print(f"Slidetune is at {address}   (Ctrl+C ends it)", soft_wrap=True)
+        address, *others = self._policy.addresses("owner")
+        _say(f"Slidetune is at {address}   (Ctrl+C ends it)")
+        for other in others:
+            _say(f"  or, where this machine's name is known, at {other}")
+        for watched in self._policy.addresses("viewer"):
+            _say(f"To watch only: {watched}")
         if self._browser:
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
 
 
-def serve(experiment: Experiment, preset: str, host: str, port: int, browser: bool) -> None:
+def _say(text: str) -> None:
+    console.print(text, soft_wrap=True, markup=False)
+
+
+def serve(
+    experiment: Experiment, preset: str, host: str, port: int, browser: bool, token: bool = False
+) -> None:
     """Serve the dashboard until it is interrupted.
 
     Args:
@@ -70,15 +89,17 @@ def serve(experiment: Experiment, preset: str, host: str, port: int, browser: bo
         host: address to bind; any but loopback asks for a token.
         port: wanted port; the next free one if it is taken.
         browser: whether to open a browser.
+        token: whether to ask for a token on loopback too.
 
     Raises:
         OSError: if no port is free.
     """
+    map_large_blocks_apart()
     with closing(free_socket(host, port)) as bound:
         actual = bound.getsockname()[1]
         if port not in (0, actual):
             console.print(f"Port {port} is taken: using {actual}.")
-        policy = policy_for(host, actual)
+        policy = policy_for(host, actual, token)
         app = create_app(Studio(experiment, preset), policy)
         config = uvicorn.Config(
             app,

@@ -69,6 +69,7 @@ class Session:
         playing: whether time goes on.
         on_change: called on this thread when ``state`` has changed.
         on_swap: called on this thread when the first rows under an edit have been written.
+        on_notice: called on this thread with a sentence for the people at the screens.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class Session:
         self.revision = 1
         self.on_change: Callable[[], None] = lambda: None
         self.on_swap: Callable[[], None] = lambda: None
+        self.on_notice: Callable[[str], None] = lambda _: None
         self.recorder = Recorder()
         self._push = Push()
         self._requests: deque[Request] = deque()
@@ -212,6 +214,7 @@ class Session:
 
     def _run(self) -> None:
         _come_first()
+        self.pacer.restart()
         while not self._stopping:
             try:
                 self._tick()
@@ -227,6 +230,11 @@ class Session:
         while self._requests:
             self._requests.popleft()()
         if self.playing:
+            if self.pacer.stalled:
+                self.on_notice(
+                    f"Slidetune could not run for {self.pacer.stalled:.0f} s. Simulated time stood "
+                    "still meanwhile and goes on from there."
+                )
             self._advance_until(deadline)
         self.pacer.end(self.loop.period)
         if self.view is not None:

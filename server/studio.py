@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict
 from time import monotonic
@@ -22,11 +23,29 @@ from server.stage_view import StageView
 from server.telemetry import Telemetry
 from server.workers import Workers
 
+log = logging.getLogger("slidetune.studio")
+
 
 def law_infos() -> list[dict[str, Any]]:
     """Return name, title and summary of every law."""
     names = ("name", "title", "summary", "model_based", "network")
     return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
+
+
+_NO_REMARKS: dict[str, Any] = {"gamma": None, "notes": []}
+
+
+def _remarks(packed: Packed, name: str) -> dict[str, Any]:
+    """Return sampling margin and remarks of a lane; a law that fails has none."""
+    sampled = packed.experiment.simulation.mode == "sampled"
+    try:
+        return {
+            "gamma": worst_margin(packed, name) if sampled else None,
+            "notes": [asdict(note) for note in notes(packed, name)],
+        }
+    except Exception:
+        log.exception("The numbers of lane %s can't be judged.", name)
+        return _NO_REMARKS
 
 
 class Studio:
@@ -97,25 +116,16 @@ class Studio:
     def metrics(self) -> dict[str, Any]:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
         remarks = self._current_remarks()
-        nothing: dict[str, Any] = {"gamma": None, "notes": []}
         lanes = {
-            name: {**metrics.document(), **remarks.get(name, nothing)}
+            name: {**metrics.document(), **remarks.get(name, _NO_REMARKS)}
             for name, metrics in tuple(self.session.metrics.items())
         }
         return {"type": "metrics", "lanes": lanes}
 
     def _current_remarks(self) -> dict[str, Any]:
         packed = self.document.packed
-        sampled = packed.experiment.simulation.mode == "sampled"
         if self._remarks[0] is not packed:
-            remarks = {
-                name: {
-                    "gamma": worst_margin(packed, name) if sampled else None,
-                    "notes": [asdict(note) for note in notes(packed, name)],
-                }
-                for name in packed.gains
-            }
-            self._remarks = (packed, remarks)
+            self._remarks = (packed, {name: _remarks(packed, name) for name in packed.gains})
         return self._remarks[1]
 
     def hello(self, client: str, telemetry: Telemetry) -> dict[str, Any]:

@@ -23,10 +23,13 @@ from robot.errors import SlidetuneError
 
 Result = TypeVar("Result")
 
+TRIES = 3
+"""How often a task is given to a new pool, where the old one was lost before it began (*ours*)."""
 SLOTS = 256
 """Tasks that can be under way or waiting at once (*ours*)."""
 
 _flags: Any = None
+_begun: Any = None
 
 
 class WorkerLostError(SlidetuneError, RuntimeError):
@@ -42,10 +45,10 @@ def worker_count() -> int:
     return max(1, min(4, (os.cpu_count() or 2) - 1))
 
 
-def _begin(flags: Any) -> None:
+def _begin(flags: Any, begun: Any) -> None:
     """Warm a new process up: load every compiled kernel, keep out of the session's way."""
-    global _flags
-    _flags = flags
+    global _flags, _begun
+    _flags, _begun = flags, begun
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which ends us
     Thread(target=_leave_with_parent, daemon=True).start()
     if hasattr(os, "nice"):
@@ -70,6 +73,7 @@ def _perform(
 ) -> Result:
     """Run one task in a worker, with its own way to learn that it isn't wanted any more."""
     flags = _flags
+    _begun[slot] = ticket
     return function(*args, cancelled=lambda: flags[slot] != ticket)
 
 
@@ -81,6 +85,7 @@ class Workers:
         self._count = count or worker_count()
         self._context = multiprocessing.get_context("spawn")
         self._flags = self._context.Array("Q", SLOTS, lock=False)
+        self._begun = self._context.Array("Q", SLOTS, lock=False)
         self._tickets = itertools.count(1)
         self._free = set(range(SLOTS))
         self._pool: ProcessPoolExecutor | None = None
@@ -88,7 +93,7 @@ class Workers:
     def start(self) -> None:
         """Start the processes, without waiting for them."""
         self._pool = ProcessPoolExecutor(
-            self._count, self._context, initializer=_begin, initargs=(self._flags,)
+            self._count, self._context, initializer=_begin, initargs=(self._flags, self._begun)
         )
         for _ in range(self._count):
             self._pool.submit(int)
@@ -119,18 +124,22 @@ class Workers:
             args: what can travel between processes.
 
         Raises:
-            WorkerLostError: if the process was killed meanwhile.
+            WorkerLostError: if the process was killed while it ran ``function``.
             BusyError: if too many tasks wait already.
         """
         if not self._free:
             raise BusyError(f"{SLOTS} tasks wait already: try again in a moment")
         slot, ticket = self._free.pop(), next(self._tickets)
         self._flags[slot] = ticket
+        task = partial(_perform, function, slot, ticket, args)
         try:
-            future = self._submit(partial(_perform, function, slot, ticket, args))
-            return await asyncio.wrap_future(future)
-        except BrokenProcessPool as error:
-            raise WorkerLostError("a worker process was lost: ask again") from error
+            for _ in range(TRIES):
+                try:
+                    return await asyncio.wrap_future(self._submit(task))
+                except BrokenProcessPool:
+                    if self._begun[slot] == ticket:
+                        break  # it may be this very task that ends its process
+            raise WorkerLostError("a worker process was lost: ask again")
         finally:
             self._flags[slot] = 0
             self._free.add(slot)

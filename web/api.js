@@ -16,6 +16,7 @@ import {Connection} from './connection.js';
 import {ApiError, request, requestLines} from './http.js';
 import {Outbox} from './outbox.js';
 import {decoded} from './telemetry_frame.js';
+import {isWatching, takeRole} from './watch_only.js';
 
 export {ApiError};
 
@@ -343,6 +344,7 @@ export class Api extends EventTarget {
   /** @param {Document} message */
   #hello(message) {
     const {client, version, experiment, baseline, preset, channels, laws, state} = message;
+    takeRole(message.role, this.version !== '');
     Object.assign(this, {client, version, experiment, baseline, preset, channels, laws});
     this.selected = successor(this.lanes, message.lanes, this.selected, message.selected);
     this.lanes = message.lanes;
@@ -363,7 +365,7 @@ export class Api extends EventTarget {
   }
 
   /** @param {Document} message */
-  #send(message) { return this.#connection.send(message); }
+  #send(message) { return !isWatching() && this.#connection.send(message); }
 
   /**
    * @param {string} type

@@ -35,6 +35,9 @@ export class Connection {
 
   open() {
     addEventListener('online', () => this.retry());
+    // Out of sight a browser lets timers wait for a minute.
+    document.addEventListener('visibilitychange', () => { if (!document.hidden) this.retry(); });
+    document.addEventListener('resume', () => this.retry());
     setInterval(() => this.#watch(), SILENCE_MS / 4);
     this.#connect();
   }

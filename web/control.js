@@ -2,6 +2,7 @@
 /** What every control has: a label, a way back to the preset, an explanation, refusals. */
 
 import {element, freshId, symbol} from './element.js';
+import {fieldPath} from './field_path.js';
 import {icon} from './icons.js';
 import {patchAt, same, valueAt} from './merge_patch.js';
 import {withUnit} from './quantity.js';
@@ -45,7 +46,7 @@ export class Control {
     const meaning = [field.description, ...facts(field).map((fact) => fact.join(': '))].join('. ');
     const name = element('div', {class: 'control-name'}, this.label, this.beside);
     this.element = element(
-      'div', {class: `control is-${field.kind}`, 'data-path': field.path.join('.')},
+      'div', {class: `control is-${field.kind}`, 'data-path': fieldPath(field.path)},
       this.#dot, name, this.place, this.#note, this.#alert,
       element('span', {id: this.describedBy, hidden: true}, meaning),
     );

@@ -40,7 +40,7 @@ export class JointsControl extends Control {
       on: {change: () => this.set(this.#switch.checked ? this.#on ?? field.maximum : null)},
     });
     const list = element('div', {class: 'joint-list', role: 'group', 'aria-label': this.name});
-    this.#each.forEach((pair, index) => list.append(row(names[index], pair)));
+    this.#each.forEach((pair, index) => list.append(row(names[index], index, pair)));
     list.append(this.#merge);
     const {button, open} = disclosure(`${this.name}: each ${this.#part}`, list);
     this.#open = open;
@@ -111,10 +111,14 @@ function numbered(length) { return Array.from({length}, (_, index) => `J${index 
 
 /**
  * @param {string} name
+ * @param {number} index
  * @param {NumberPair} pair
  */
-function row(name, pair) {
-  return element('div', {class: 'joint-row'}, element('span', {}, name), pair.slider, pair.box);
+function row(name, index, pair) {
+  return element(
+    'div', {class: 'joint-row', 'data-joint': index + 1},
+    element('span', {class: 'joint-name'}, name), pair.slider, pair.box,
+  );
 }
 
 /**

@@ -2,6 +2,7 @@
 /** The left column: what the experiment is, its lanes, and a control for every number. */
 
 import {element, withIndices} from './element.js';
+import {fieldPath} from './field_path.js';
 import {icon} from './icons.js';
 import {Knobs} from './knobs.js';
 import {mount as mountLanes} from './lanes.js';
@@ -120,7 +121,7 @@ class Tuning {
   }
 
   /** @param {string} path dotted */
-  #fieldAt(path) { return this.#controls.find(({field}) => field.path.join('.') === path)?.field; }
+  #fieldAt(path) { return this.#controls.find(({field}) => fieldPath(field.path) === path)?.field; }
 
   /**
    * @param {string} law
@@ -147,8 +148,8 @@ class Tuning {
    * @param {any} patch
    */
   #touchedBy(patch) {
-    const paths = leaves(patch).map((path) => path.join('.'));
-    return this.#controls.filter(({field}) => paths.includes(field.path.join('.')));
+    const paths = leaves(patch).map(fieldPath);
+    return this.#controls.filter(({field}) => paths.includes(fieldPath(field.path)));
   }
 
   /**
@@ -170,7 +171,7 @@ function detail(event) { return /** @type {CustomEvent} */ (event).detail; }
 
 /** @param {Control} control */
 function within(control) {
-  const own = control.field.path.join('.');
+  const own = fieldPath(control.field.path);
   return (/** @type {{path: string}} */ {path}) => path === own || path.startsWith(`${own}.`);
 }
 

@@ -114,9 +114,10 @@ class HeatStrips {
   /** Begin when the pointer has come to rest. */
   #await() {
     clearTimeout(this.#timer);
-    const field = this.#field(this.#wanted);
-    if (!field) return;
-    const wait = this.#known.has(this.#key(field)) ? KNOWN_MS : REST_MS;
+    const slider = this.#wanted;
+    const field = this.#field(slider);
+    if (!slider || !field) return;
+    const wait = this.#known.has(this.#key(field, jointOf(slider))) ? KNOWN_MS : REST_MS;
     this.#timer = setTimeout(() => this.#begin(), wait);
   }
 
@@ -124,9 +125,10 @@ class HeatStrips {
     const slider = this.#wanted;
     const field = this.#field(slider);
     if (!slider?.isConnected || !field || this.#strip) return;
-    const key = this.#key(field);
+    const joint = jointOf(slider);
+    const key = this.#key(field, joint);
     const known = this.#known.get(key);
-    const strip = new Strip(slider, field, this.#metric, key, known);
+    const strip = new Strip({slider, field, joint}, this.#metric, key, known);
     this.#strip = strip;
     if (!known) this.#run(strip);
   }
@@ -134,7 +136,7 @@ class HeatStrips {
   /** @param {Strip} strip */
   async #run(strip) {
     const [, lane, name] = strip.field.path;
-    const body = {lane, field: name, count: COUNT};
+    const body = {lane, field: name, count: COUNT, joint: strip.joint};
     try {
       await this.#api.study('strip', body, (row) => {
         strip.add(/** @type {StudyRow} */ (row));
@@ -154,7 +156,7 @@ class HeatStrips {
     const strip = this.#strip;
     if (strip) {
       const field = this.#field(strip.slider);
-      if (field && this.#key(field) === strip.key) { strip.tell(); return; }
+      if (field && this.#key(field, strip.joint) === strip.key) { strip.tell(); return; }
       this.#close();
     }
     if (this.#wanted) this.#await();
@@ -171,21 +173,36 @@ class HeatStrips {
   }
 
   /**
-   * Everything that a strip depends on: the lane but for the gain itself, and the world.
+   * Everything that a strip depends on: the lane but for the gain itself, and the world. Of one
+   * joint's share also the other joints'.
    *
    * @param {Field} field
+   * @param {number|null} joint
    */
-  #key({path: [, lane, name]}) {
+  #key({path: [, lane, name], length}, joint) {
     const {lanes, title, description, ...world} = this.#api.experiment;
-    return JSON.stringify([lane, name, {...lanes[lane], [name]: 0}, world]);
+    const gains = lanes[lane];
+    const each = Array.from({length}, (_, index) => (
+      joint === index + 1 ? 0 : gains[name][index] ?? gains[name]
+    ));
+    return JSON.stringify([lane, name, joint, {...gains, [name]: joint ? each : 0}, world]);
   }
 }
 
 /**
  * @param {EventTarget|null} target
- * @returns {HTMLInputElement|null} the slider of all joints that it is
+ * @returns {HTMLInputElement|null} the slider, of all joints or of one, that it is
  */
 function sliderOf(target) {
-  const slider = target instanceof Element && target.matches('.control-input > .slider');
+  const slider = target instanceof Element
+    && target.matches('.control-input > .slider, .joint-row > .slider');
   return slider ? /** @type {HTMLInputElement} */ (target) : null;
+}
+
+/**
+ * @param {HTMLInputElement} slider
+ * @returns {number|null} the joint whose share it is, from 1; null: that of all joints
+ */
+function jointOf(slider) {
+  return Number(slider.closest('.joint-row')?.getAttribute('data-joint')) || null;
 }

@@ -20,27 +20,32 @@ const LEAST_SPREAD = 1.01;
 export class Strip {
   slider;
   field;
+  /** Whose share of the gain, from 1; null: that of all joints. */
+  joint;
   key;
   /** @type {StudyRow[]} */ rows;
   #metric;
   #canvas = element('canvas', {class: 'heat-strip', 'aria-hidden': 'true'});
-  #words = element('span', {class: 'heat-words', 'aria-hidden': 'true'});
+  #said = [element('span'), element('span', {class: 'heat-best'})];
+  #words = element('span', {class: 'heat-words', 'aria-hidden': 'true'}, ...this.#said);
   #bar = element('span', {class: 'heat-progress', 'aria-hidden': 'true'});
   #aloud = element('span', {class: 'visually-hidden', role: 'status'});
   #abort = new AbortController();
   #failure = '';
   /** @type {number|null} */ #pointer = null;
+  /** Asked of the page when drawn: in the middle of a drag it would lay everything out. */
+  #track = {width: 0, inset: 0, left: 0, room: 1};
 
   /**
-   * @param {HTMLInputElement} slider
-   * @param {Field} field
+   * @param {{slider: HTMLInputElement, field: Field, joint: number|null}} place
    * @param {StudyMetric} metric
    * @param {string} key
    * @param {StudyRow[]} [rows] where all are known
    */
-  constructor(slider, field, metric, key, rows) {
+  constructor({slider, field, joint}, metric, key, rows) {
     this.slider = slider;
     this.field = field;
+    this.joint = joint;
     this.key = key;
     this.rows = rows ?? [];
     this.#metric = metric;
@@ -76,18 +81,20 @@ export class Strip {
     for (const part of [this.#canvas, this.#bar, this.#words, this.#aloud]) part.remove();
   }
 
-  get #track() {
+  #measured() {
+    const {offsetWidth: width, offsetLeft: left, parentElement} = this.slider;
     const inset = matchMedia('(pointer: coarse)').matches ? 10 : 7;
-    return {width: this.slider.offsetWidth, inset};
+    return {width, inset, left, room: parentElement?.clientWidth || 1};
   }
 
   draw() {
-    const {slider, rows, field} = this;
-    const track = this.#track;
+    const {rows, field} = this;
+    const track = this.#measured();
+    this.#track = track;
     const metric = this.#metric.chosen;
     const ended = rows.length === COUNT;
     const best = ended && this.#matters ? bestOf(rows, metric) : undefined;
-    const left = `${slider.offsetLeft}px`;
+    const left = `${track.left}px`;
     this.#canvas.style.left = left;
     this.#bar.style.left = left;
     this.#bar.style.width = `${(track.width * rows.length) / COUNT}px`;
@@ -121,13 +128,12 @@ export class Strip {
     const thumb = placeOf(this.#value, this.field, track);
     const at = this.#pointer ?? thumb;
     const cell = cellsOf(COUNT, this.rows, track).find(({right}) => at <= right);
-    this.#words.replaceChildren(
-      element('span', {}, this.#failure || this.#at(cell?.row)),
-      element('span', {class: 'heat-best'}, this.#rest()),
-    );
-    const room = (this.slider.parentElement?.clientWidth ?? 0) - this.#words.offsetWidth;
-    const left = this.slider.offsetLeft + at - this.#words.offsetWidth / 2;
-    this.#words.style.left = `${Math.max(0, Math.min(left, room))}px`;
+    this.#said[0].textContent = this.#failure || this.#at(cell?.row);
+    this.#said[1].textContent = this.#rest();
+    // So much of their width as lies before this place: they stay within, however long they are.
+    const along = `${(100 * (track.left + at)) / track.room}%`;
+    this.#words.style.left = along;
+    this.#words.style.translate = `-${along}`;
   }
 
   get #value() {
@@ -136,7 +142,10 @@ export class Strip {
     return log ? minimum * (maximum / minimum) ** (along / Number(this.slider.max)) : along;
   }
 
-  get #name() { return flat(this.field.symbol) || this.field.title; }
+  get #name() {
+    const name = flat(this.field.symbol) || this.field.title;
+    return this.joint ? `${name} of J${this.joint}` : name;
+  }
 
   /** @param {StudyRow|undefined} row */
   #at(row) {

@@ -1,6 +1,8 @@
 // @ts-check
 /** Requests to the server, and its one shape of errors. */
 
+import {WATCH_ONLY, isWatching} from './watch_only.js';
+
 /**
  * @typedef {{path: string, message: string, value?: any, allowed?: string, line?: number|null}}
  *   FieldError
@@ -47,6 +49,7 @@ async function refusal(response) {
  * @throws {DOMException} when `signal` aborts it
  */
 async function answer(method, address, body, signal) {
+  if (isWatching() && method !== 'GET') throw new ApiError(403, 'watch_only', WATCH_ONLY);
   const yaml = typeof body === 'string';
   const headers = {'Content-Type': yaml ? 'application/yaml' : 'application/json'};
   const content = body === undefined ? {} : {headers, body: yaml ? body : JSON.stringify(body)};

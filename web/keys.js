@@ -3,6 +3,7 @@
 
 import {showDialog} from './dialog.js';
 import {element} from './element.js';
+import {isKeyAllowed} from './watch_only.js';
 
 /** @typedef {{[key: string]: () => void}} Actions */
 
@@ -94,7 +95,7 @@ export function keyHandler(api, history) {
   return (event) => {
     const {key, target} = event;
     if (event.defaultPrevented || document.querySelector('dialog[open], .menu:popover-open')) return;
-    if (isTyping(target) || (event.repeat && !REPEATED.has(key))) return;
+    if (isTyping(target) || !isKeyAllowed(key) || (event.repeat && !REPEATED.has(key))) return;
     const action = event.ctrlKey || event.metaKey
       ? travel(event, history)
       : !event.altKey && (joint(key, api) ?? chosen(actions, key));

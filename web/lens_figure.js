@@ -11,6 +11,8 @@ import {RedrawPace} from './redraw_pace.js';
 
 const FONT_SIZE = 11;
 const MARGIN = {l: 66, r: 12, t: 8, b: 38};
+/** The library can't lay out an axis of almost no pixels. */
+const LEAST_WIDTH = MARGIN.l + MARGIN.r + 50;
 const CONFIG = {displayModeBar: false, responsive: false, scrollZoom: false, doubleClick: 'reset'};
 
 /**
@@ -90,7 +92,8 @@ export class LensFigure {
   #request() { if (this.#build) this.#pace.request(); }
 
   #draw() {
-    if (!this.#build || !library() || document.hidden || this.#pressed || this.#width < 40) return;
+    if (!this.#build || !library() || document.hidden || this.#pressed) return;
+    if (this.#width < LEAST_WIDTH) return;
     const colors = colorsOf(this.element);
     const {data, layout} = this.#build(colors, this.#width);
     const whole = {...base(colors, this.#touch.matches), ...layout};

@@ -41,7 +41,8 @@ export class NetworkLens {
     this.#weightCard = new LensCard({
       title: 'What the weights keep', equation: 'Eq. 21',
       words: 'A weight grows as long as S isn’t zero and its Gaussian answers: dW/dt = φ h S. Left, '
-        + 'the ten weights at the end; right, their norm. While that still climbs, it still learns.',
+        + 'the ten weights at the end; right, the norm of the weights, √ΣW², over the run. While that '
+        + 'still climbs, it still learns.',
     }, this.#weights.element);
     this.#torqueCard = new LensCard({
       title: 'What f has learnt', equation: 'Eq. 9, 20, 22',
@@ -69,12 +70,11 @@ export class NetworkLens {
     this.#gaussianCard.words = `Each curve is one Gaussian’s answer h to ${name} ${symbol} of joint `
       + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
       + 'the network tell one input from another.';
-    this.#gaussianCard.facts = gaussianFacts(one);
+    this.#gaussianCard.facts = gaussianFacts(one, network.centers);
     this.#gaussianCard.finding = gaussianFinding(one, network.input);
     this.#drawGaussians();
-    this.#weights.draw(`Joint ${joint}: weights at the end, and their norm over time`, (colors) => (
-      weightFigure(colors, look, network, one)
-    ));
+    const drawn = `Joint ${joint}: the ten weights at the end, the norm of the weights over time`;
+    this.#weights.draw(drawn, (colors) => weightFigure(colors, look, network, one));
     this.#torqueCard.facts = [
       {name: 'needed', value: `${threeDigits(one.needed_rms)} N·m`,
         title: 'Root mean square of τ_eq + F over the second half of the run'},
@@ -100,9 +100,14 @@ export class NetworkLens {
   }
 }
 
-/** @param {any} one */
-function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, high}) {
+/**
+ * @param {any} one
+ * @param {number[]} centers
+ */
+function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, high}, centers) {
   return [
+    {name: 'centres', value: `${centers.length}, ${threeDigits(Math.min(...centers))} to `
+      + `${threeDigits(Math.max(...centers))} rad`},
     {name: 'width', value: `b = ${withUnit(width, 'rad')}`},
     {name: 'inputs', value: `${threeDigits(low)} to ${threeDigits(high)} rad`},
     {name: 'coverage', value: percent(coverage),
@@ -209,7 +214,7 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
       hovertemplate: 'c = %{customdata:.4~g} rad<br>W = %{y:.4~g} N·m<extra></extra>',
     }, {
       type: 'scatter', mode: 'lines', uid: 'norm', x: time, y: one.norm, xaxis: 'x2', yaxis: 'y2',
-      hovertemplate: 't = %{x:.3f} s<br>‖W‖ = %{y:.4~g} N·m<extra></extra>',
+      hovertemplate: 't = %{x:.3f} s<br>norm of the weights %{y:.4~g} N·m<extra></extra>',
       line: {color, width: 1.6},
     }],
     layout: {
@@ -218,7 +223,7 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
       xaxis: axis(colors, {title: 'node', domain: [0, 0.4], dtick: 1, tickangle: 0, showgrid: false}),
       yaxis: axis(colors, {title: 'W [N·m]', nticks: 5}),
       xaxis2: axis(colors, {title: 't [s]', domain: [0.56, 1], anchor: 'y2', zeroline: false}),
-      yaxis2: axis(colors, {title: '‖W‖ [N·m]', anchor: 'x2', nticks: 5, rangemode: 'tozero'}),
+      yaxis2: axis(colors, {title: 'norm of the weights [N·m]', anchor: 'x2', nticks: 5, rangemode: 'tozero'}),
     },
   };
 }

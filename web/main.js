@@ -20,6 +20,7 @@ import {mountBanner} from './status.js';
 import {mountTabs} from './tabs.js';
 import {applyTheme} from './theme.js';
 import {mount as mountTransport} from './transport.js';
+import {mountWatchOnly} from './watch_only.js';
 
 /** @param {string} id */
 function part(id) { return /** @type {HTMLElement} */ (document.getElementById(id)); }
@@ -43,6 +44,7 @@ mountMetrics(parts.metrics, api);
 mountTabs(part('tabs'), part('workspace'), api);
 mountLessons(part('workspace'), api, history, tell);
 mountSplitters(part('workspace'), parts);
+mountWatchOnly(api, ['header', 'tune', 'scene', 'transport'].map(part));
 
 addEventListener('keydown', pressed);
 keepFocusOffPressed();

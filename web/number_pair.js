@@ -17,6 +17,8 @@ import {POSITIONS, fitting, fraction, read, valueAlong, written} from './quantit
  * @property {(text: string) => void} refuse
  */
 
+/** A finger that moves less than this across, in pixels, may still be about to scroll. */
+const SLOP = 4;
 const ARROWS = new Map([['ArrowUp', 1], ['ArrowDown', -1], ['PageUp', 10], ['PageDown', -10]]);
 
 /** While a person holds it, what the server says doesn't move it. */
@@ -30,6 +32,8 @@ export class NumberPair {
   #holds = 0;
   #keyed = false;
   #typed = false;
+  /** @type {{x: number, value: number}|null} where a finger came down; null once it drags */
+  #finger = null;
 
   /** @param {PairOptions} options */
   constructor(options) {
@@ -86,10 +90,17 @@ export class NumberPair {
 
   #sliderEvents() {
     return {
-      pointerdown: () => { this.#hold(); },
-      pointerup: () => this.#release(),
-      pointercancel: () => this.#release(),
-      input: () => this.#move(this.#sliderValue()),
+      pointerdown: (/** @type {PointerEvent} */ {pointerType, clientX: x}) => {
+        this.#hold();
+        this.#finger = pointerType === 'touch' ? {x, value: this.value} : null;
+      },
+      pointermove: (/** @type {PointerEvent} */ {clientX}) => {
+        if (this.#finger && Math.abs(clientX - this.#finger.x) > SLOP) this.#drag();
+      },
+      pointerup: () => { this.#drag(); this.#release(); },
+      pointercancel: () => { this.#scrolled(); this.#release(); },
+      // The finger that lands beside the thumb to scroll must not set a gain.
+      input: () => { if (!this.#finger) this.#move(this.#sliderValue()); },
       // A held key would otherwise make one entry of the history per step.
       change: () => { if (!this.#keyed) this.#end(); },
       keydown: (/** @type {KeyboardEvent} */ {key}) => {
@@ -109,6 +120,20 @@ export class NumberPair {
       keyup: () => this.#endKeyed(),
       blur: () => { this.#endKeyed(); this.#accept(); },
     };
+  }
+
+  /** What a finger does is a drag, or a tap: take the value that it has reached. */
+  #drag() {
+    if (!this.#finger) return;
+    this.#finger = null;
+    this.#move(this.#sliderValue());
+  }
+
+  /** What a finger did was to scroll. */
+  #scrolled() {
+    if (!this.#finger) return;
+    this.#show(this.#finger.value);
+    this.#finger = null;
   }
 
   #sliderValue() {

@@ -3,6 +3,7 @@
 
 import {ApiError} from './http.js';
 import {joined} from './merge_patch.js';
+import {WATCH_ONLY, isWatching} from './watch_only.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
 /**
@@ -121,6 +122,6 @@ export class Outbox {
     const give = (/** @type {string} */ text) => this.answered(id, new ApiError(0, 'lost', text));
     const timer = setTimeout(() => give('the server has not answered'), ANSWER_MS);
     this.#sent.set(id, {done, timer});
-    if (!this.#line.send({...message, id})) give(NOT_CONNECTED);
+    if (!this.#line.send({...message, id})) give(isWatching() ? WATCH_ONLY : NOT_CONNECTED);
   }
 }

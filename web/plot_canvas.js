@@ -13,11 +13,12 @@ import {YRanges} from './y_range.js';
 /** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
 /** @typedef {{pixels: number, ranges: YRanges}} Room */
 /**
- * Everything that decides what is drawn. `message` says why there is nothing to see, or ''.
+ * Everything that decides what is drawn. `message` says why there is nothing to see, or '';
+ * `passing`: another sheet follows soon.
  * @typedef {{title: string, spectrum: boolean, panels: {title: string, quantity: string}[],
  *   window: Range, zoomed: Map<string, Range>, curves: (room: Room) => DrawnPanel[],
  *   message: string, marks: import('./revision_marks.js').RevisionMark[],
- *   colors: Map<string, string|undefined>, selected: string}} CanvasSheet
+ *   colors: Map<string, string|undefined>, selected: string, passing?: boolean}} CanvasSheet
  */
 /**
  * Where the times lie on the stage, in pixels.
@@ -26,6 +27,8 @@ import {YRanges} from './y_range.js';
 
 /** Lower than this a panel can't be read; the stage scrolls instead. */
 const LEAST_PANEL = 78;
+/** The library can't lay out a time axis of almost no pixels. */
+const LEAST_WIDTH = 50;
 
 /** Draws sheets into a stage. */
 export class Canvas {
@@ -88,7 +91,8 @@ export class Canvas {
 
   /** Whether anybody can see it. */
   get #visible() {
-    return !document.hidden && this.#size.width > 0 && this.#size.height > 0;
+    const across = this.#size.width - MARGIN.l - MARGIN.r;
+    return !document.hidden && across >= LEAST_WIDTH && this.#size.height > 0;
   }
 
   #draw() {
@@ -98,7 +102,7 @@ export class Canvas {
     this.#graph.hidden = !sheet.panels.length;
     if (!sheet.panels.length || !library()) { this.#on.drawn(null); return; }
     const drawing = this.#figure(sheet, false);
-    if (this.#redraw.draw(drawing)) this.#listen();
+    if (this.#redraw.draw(drawing, sheet)) this.#listen();
     this.#on.drawn(sheet.spectrum ? null : timeAxis(drawing.layout));
     // Counts the layout into the cost of this redraw, where it belongs.
     this.#graph.getBoundingClientRect();
@@ -114,7 +118,7 @@ export class Canvas {
     this.#theme ??= themeOf(this.#stage);
     const {width} = this.#size;
     const least = panels.length * LEAST_PANEL + MARGIN.t + MARGIN.b;
-    const pixels = Math.max(width - MARGIN.l - MARGIN.r, 50);
+    const pixels = Math.max(width - MARGIN.l - MARGIN.r, LEAST_WIDTH);
     const drawn = sheet.curves({pixels, ranges: this.#ranges});
     return figure({
       ...sheet,

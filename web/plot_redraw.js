@@ -1,6 +1,7 @@
 // @ts-check
 /** Hands figures to the plotting library in the cheapest way that shows them. */
 
+import {movedCurves} from './curve_paths.js';
 import {library} from './figure.js';
 
 /** @typedef {{data: any[], layout: {[name: string]: any}}} Figure */
@@ -14,42 +15,64 @@ const CONFIG = {displayModeBar: false, doubleClick: false, scrollZoom: false, re
 export class PlotRedraw {
   #graph;
   #shape = '';
+  #axes = '';
 
   /** @param {HTMLElement} graph */
   constructor(graph) { this.#graph = graph; }
 
   /**
    * @param {Figure} figure
+   * @param {{passing?: boolean}} [how] `passing`: another follows soon, and nobody points at this one
    * @returns {boolean} whether the graph is a new one
    */
-  draw(figure) {
+  draw(figure, {passing = false} = {}) {
     const shape = shapeOf(figure);
+    const axes = usedAxes(figure);
+    // Where axes come and the size changes at once, the library draws the new axes' lines before it
+    // knows where they lie, unless points told it: they would begin at NaN.
+    if (this.#shape && axes !== this.#axes) this.#clear();
     const fresh = !this.#shape;
     try {
-      if (shape === this.#shape && figure.data.length) this.#move(figure);
+      if (shape === this.#shape && figure.data.length) this.#move(figure, passing);
       else library().react(this.#graph, figure.data, figure.layout, CONFIG);
       this.#shape = shape;
+      this.#axes = axes;
     } catch (error) {
       // Half a plot would make every later redraw fail as well.
-      library().purge(this.#graph);
-      this.#shape = '';
+      this.#clear();
       throw error;
     }
     return fresh;
   }
 
-  /** @param {Figure} figure of the same shape as the last */
-  #move({data, layout}) {
+  #clear() {
+    library().purge(this.#graph);
+    this.#shape = '';
+  }
+
+  /**
+   * @param {Figure} figure of the same shape as the last
+   * @param {boolean} passing
+   */
+  #move({data, layout}, passing) {
     const points = {x: data.map(({x}) => x), y: data.map(({y}) => y)};
     const drawn = /** @type {any} */ (this.#graph).layout;
     const ranges = axesOf(layout)
       .filter((axis) => String(drawn[axis].range) !== String(layout[axis].range))
       .map((axis) => [`${axis}.range`, layout[axis].range]);
+    if (passing && !ranges.length && movedCurves(this.#graph, data)) return;
     // Axes that hold still, as those of a whole response do, cost another fifth.
     if (ranges.length) library().update(this.#graph, points, Object.fromEntries(ranges));
     else library().restyle(this.#graph, points);
   }
 }
+
+/**
+ * The library gives an axis no place before a trace belongs to it.
+ *
+ * @param {Figure} figure
+ */
+function usedAxes({data}) { return JSON.stringify([...new Set(data.map(({yaxis}) => yaxis))].sort()); }
 
 /** @param {Figure['layout']} layout */
 function axesOf(layout) { return Object.keys(layout).filter((name) => /^[xy]axis/.test(name)); }

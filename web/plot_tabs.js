@@ -10,6 +10,7 @@ export class PlotTabs {
   /** @type {HTMLElement} */ element;
   /** @type {Map<string, HTMLButtonElement>} */ #buttons = new Map();
   #choose;
+  #selected = '';
 
   /**
    * @param {Tab[]} tabs
@@ -32,21 +33,25 @@ export class PlotTabs {
       on: {keydown: (event) => this.#moved(event)},
     }, ...this.#buttons.values());
     this.panel = panel;
+    new ResizeObserver(() => this.#reveal()).observe(this.element);
   }
 
   /** @param {string} chosen */
   select(chosen) {
+    if (chosen === this.#selected) return;
+    this.#selected = chosen;
     for (const [id, button] of this.#buttons) {
       const selected = id === chosen;
       button.setAttribute('aria-selected', String(selected));
       button.tabIndex = selected ? 0 : -1;
-      if (selected) this.#reveal(button);
+      if (selected) this.panel.setAttribute('aria-labelledby', button.id);
     }
+    this.#reveal();
   }
 
-  /** @param {HTMLButtonElement} button */
-  #reveal(button) {
-    this.panel.setAttribute('aria-labelledby', button.id);
+  #reveal() {
+    const button = this.#buttons.get(this.#selected);
+    if (!button) return;
     const {offsetLeft: left, offsetWidth: width} = button;
     const row = this.element;
     // scrollIntoView would scroll the page as well.

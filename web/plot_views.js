@@ -126,7 +126,7 @@ function flangeError(source) {
 }
 
 /**
- * The network's output above the size of its weights, joint after joint.
+ * The network's output above the norm of its weights, joint after joint.
  *
  * @param {Source} source
  * @returns {Panel[]}
@@ -135,7 +135,7 @@ function network(source) {
   const shown = (/** @type {string} */ lane) => source.hasNetwork(lane);
   if (!source.lanes.some(shown)) return [];
   const outputs = perJoint('f', 'f', 'N·m', shown)(source);
-  const weights = perJoint('weights', '‖W‖', 'N·m', shown)(source);
+  const weights = perJoint('weights', 'norm of W', 'N·m', shown)(source);
   return outputs.flatMap((output, index) => [output, {...weights[index], positive: true}]);
 }
 

@@ -30,6 +30,19 @@ export function remember(key, value) {
 }
 
 /**
+ * Learn of what another page of this browser remembers or forgets.
+ *
+ * @param {string} key
+ * @param {() => void} act
+ */
+export function onRemembered(key, act) {
+  // Without a key all was forgotten at once.
+  addEventListener('storage', (event) => {
+    if (event.key === null || event.key === PREFIX + key) act();
+  });
+}
+
+/**
  * A section that stays as its reader left it.
  *
  * @param {HTMLDetailsElement} details

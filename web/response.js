@@ -136,7 +136,10 @@ class ResponseScreen {
   // Who looks
 
   /** Whether anybody can see it. */
-  get #seen() { return !document.hidden && this.#root.clientWidth > 0; }
+  get #seen() {
+    // Asked for its size in the middle of a drag, the page would lay everything out.
+    return !document.hidden && this.#root.checkVisibility();
+  }
 
   #looked() {
     this.#preview.needed('view', this.#seen);
@@ -267,6 +270,8 @@ class ResponseScreen {
       marks: [],
       colors: this.#colors(),
       selected: this.#api.selected,
+      // An exact one follows every quick one.
+      passing: content.current?.quick,
     };
   }
 

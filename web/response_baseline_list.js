@@ -1,9 +1,9 @@
 // @ts-check
 /** The baselines as a row of chips: shown or hidden, a name that can be edited, a way out. */
 
+import {MOST_BASELINES} from './baseline_store.js';
 import {element} from './element.js';
 import {icon} from './icons.js';
-import {MOST_BASELINES} from './response_baselines.js';
 
 /** @typedef {import('./response_baselines.js').Baseline} Baseline */
 /** @typedef {import('./response_baselines.js').Baselines} Baselines */

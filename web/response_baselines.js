@@ -1,33 +1,33 @@
 // @ts-check
 /** Responses to compare with: pinned, named, kept in this browser, computed anew after a reload. */
 
-import {isObject} from './merge_patch.js';
-import {recall, remember} from './remembered.js';
+import {BaselineStore, MOST_BASELINES, freshKey} from './baseline_store.js';
 
+/** @typedef {import('./baseline_store.js').Kept} Kept */
 /** @typedef {import('./merge_patch.js').Document} Document */
 /** @typedef {import('./preview_message.js').Response} Response */
 /**
- * `response` is null until it has been computed; `failure` says why it can't be.
- * @typedef {{id: number, name: string, experiment: Document, shown: boolean,
- *   response: Response|null, failure: string}} Baseline
+ * `id` counts within this page; `response` is null until it has been computed; `failure` says why
+ * it can't be.
+ * @typedef {Kept & {id: number, response: Response|null, failure: string}} Baseline
  */
-
-const KEY = 'response.baselines';
-/** More than that can't be told apart; ours. */
-export const MOST_BASELINES = 6;
 
 /** Event `change`: a baseline came, went, or is different. */
 export class Baselines extends EventTarget {
   /** @type {Baseline[]} */ list = [];
   #preview;
   #next = 1;
+  #store = new BaselineStore(() => {
+    this.#adopt(this.#store.read());
+    this.complete();
+  });
   /** @type {Set<Baseline>} */ #computing = new Set();
 
   /** @param {import('./preview.js').Preview} preview */
   constructor(preview) {
     super();
     this.#preview = preview;
-    for (const {name, experiment, shown} of remembered()) this.#add(name, experiment, shown, null);
+    this.#adopt(this.#store.read());
   }
 
   /** Those to draw. */
@@ -45,9 +45,10 @@ export class Baselines extends EventTarget {
    * @param {Response|null} response its exact response, where it is known
    */
   pin(experiment, response) {
-    if (this.full) return;
-    this.#add(this.#freeName(), experiment, true, response);
-    this.#changed();
+    const key = freshKey();
+    const kept = this.#store.update((list) => (list.length >= MOST_BASELINES ? list
+      : [...list, {key, name: freeName(list), experiment, shown: true}]));
+    this.#adopt(kept, new Map([[key, response]]));
     this.complete();
   }
 
@@ -57,13 +58,14 @@ export class Baselines extends EventTarget {
    */
   edit(baseline, change) {
     Object.assign(baseline, change);
-    this.#changed();
+    this.#adopt(this.#store.update((list) => list.map((kept) => (
+      kept.key === baseline.key ? {...kept, ...change} : kept
+    ))));
   }
 
   /** @param {Baseline} baseline */
   remove(baseline) {
-    this.list = this.list.filter((each) => each !== baseline);
-    this.#changed();
+    this.#adopt(this.#store.update((list) => list.filter(({key}) => key !== baseline.key)));
   }
 
   /** Compute the responses that are missing. */
@@ -87,40 +89,29 @@ export class Baselines extends EventTarget {
   }
 
   /**
-   * @param {string} name
-   * @param {Document} experiment
-   * @param {boolean} shown
-   * @param {Response|null} response
+   * Show what is kept. Which are hidden each page decides for itself.
+   *
+   * @param {Kept[]} kept
+   * @param {Map<string, Response|null>} [responses] of new ones, where they are known, by key
    */
-  #add(name, experiment, shown, response) {
-    const id = this.#next;
-    this.#next += 1;
-    this.list = [...this.list, {id, name, experiment, shown, response, failure: ''}];
-  }
-
-  #freeName() {
-    const taken = new Set(this.list.map(({name}) => name));
-    for (let number = 1; ; number += 1) {
-      if (!taken.has(`Baseline ${number}`)) return `Baseline ${number}`;
-    }
-  }
-
-  #changed() {
-    const kept = this.list.map(({name, experiment, shown}) => ({name, experiment, shown}));
-    remember(KEY, kept.length ? JSON.stringify(kept) : null);
+  #adopt(kept, responses = new Map()) {
+    const before = new Map(this.list.map((baseline) => [baseline.key, baseline]));
+    this.list = kept.map((one) => {
+      const known = before.get(one.key);
+      if (known) return Object.assign(known, {name: one.name});
+      const response = responses.get(one.key) ?? null;
+      const id = this.#next;
+      this.#next += 1;
+      return {...one, id, response, failure: ''};
+    });
     this.dispatchEvent(new Event('change'));
   }
 }
 
-/** @returns {{name: string, experiment: Document, shown: boolean}[]} what can be read of it */
-function remembered() {
-  try {
-    const kept = JSON.parse(recall(KEY) ?? '[]');
-    return kept.filter((/** @type {any} */ {name, experiment}) => (
-      typeof name === 'string' && isObject(experiment)
-    )).slice(0, MOST_BASELINES);
-  } catch {
-    // Somebody else wrote there; the next pin replaces it.
-    return [];
+/** @param {Kept[]} list */
+function freeName(list) {
+  const taken = new Set(list.map(({name}) => name));
+  for (let number = 1; ; number += 1) {
+    if (!taken.has(`Baseline ${number}`)) return `Baseline ${number}`;
   }
 }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
+from robot.quantity import JOINTS
 
 Array = np.ndarray
 
@@ -27,6 +28,7 @@ class Knob:
         low: least permitted value.
         high: greatest permitted value.
         logarithmic: whether its slider runs logarithmically.
+        per_joint: whether every joint may have its own share.
     """
 
     lane: str
@@ -35,10 +37,24 @@ class Knob:
     low: float
     high: float
     logarithmic: bool
+    per_joint: bool
 
     def patch(self, value: float | list[float]) -> dict[str, Any]:
         """Return the merge patch that sets the knob."""
         return {"lanes": {self.lane: {self.field: value}}}
+
+    def at_joint(self, joint: int, value: float) -> list[float]:
+        """Return the value with one joint's share, counted from 1, replaced. Length 6.
+
+        Raises:
+            InvalidExperimentError: if the knob is one number for all joints.
+        """
+        if not self.per_joint:
+            text = f"{self.field} is one number for all joints; leave out joint"
+            raise InvalidExperimentError([FieldError("joint", text, joint)])
+        each = np.broadcast_to(np.asarray(self.value, dtype=float), JOINTS).tolist()
+        each[joint - 1] = value
+        return [float(share) for share in each]
 
     def positions(self, count: int = COUNT) -> Array:
         """Return values along the slider's track, both ends included. Shape (count,)."""
@@ -72,7 +88,9 @@ def knobs(experiment: Experiment, lane: str) -> list[Knob]:
             continue
         low, high = float(extra["minimum"]), float(extra["maximum"])
         logarithmic = extra.get("scale") == "log"
-        found.append(Knob(lane, name, getattr(gains, name), low, high, logarithmic))
+        # The type of a share for every joint is a union: one number, or six.
+        per_joint = bool(get_args(info.annotation))
+        found.append(Knob(lane, name, getattr(gains, name), low, high, logarithmic, per_joint))
     return found
 
 

@@ -39,15 +39,26 @@ class Trial:
         return asdict(self)
 
 
-def strip(experiment: Experiment, lane: str, name: str, count: int = COUNT) -> list[Trial]:
+def strip(
+    experiment: Experiment, lane: str, name: str, count: int = COUNT, joint: int | None = None
+) -> list[Trial]:
     """Return trials of one knob along its slider's track, the others fixed.
+
+    Args:
+        experiment: where to start from.
+        lane: whose knob.
+        name: its field.
+        count: how many positions.
+        joint: turn the share of this joint alone, 1 to 6; without it that of all joints alike.
 
     Raises:
         InvalidExperimentError: if there is no such lane or knob.
     """
     turned = knob(experiment, lane, name)
     values = [float(value) for value in turned.positions(count)]
-    return [Trial(name, value, turned.patch(value)) for value in values]
+    if joint is None:
+        return [Trial(name, value, turned.patch(value)) for value in values]
+    return [Trial(name, value, turned.patch(turned.at_joint(joint, value))) for value in values]
 
 
 def sensitivity(experiment: Experiment, lane: str, change: float = 0.1) -> list[Trial]:

@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request, Response
-from starlette.exceptions import HTTPException
 
 from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
 from robot.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from server.contract import ErrorAnswer, ExperimentAnswer
+from server.openapi import OR_YAML, YAML
+from server.plain_json import NotJsonError, read_json
 from server.studio import Studio, law_infos
 
-YAML = "application/yaml"
-MAX_BODY = 256 * 1024
-"""Largest body of a request in bytes (*ours*)."""
 REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},
     422: {"model": ErrorAnswer},
 }
 _PATCH = {"lanes": {"NFTSM": {"nu": 30}}}
-
-
-async def read_body(request: Request) -> bytes:
-    """Return the body of a request.
-
-    Raises:
-        HTTPException: 413 if it is larger than ``MAX_BODY``.
-    """
-    body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > MAX_BODY:
-            raise HTTPException(413, f"The body may hold {MAX_BODY // 1024} KiB at most.")
-    return bytes(body)
-
-
-def _refuse_constant(name: str) -> float:
-    raise ValueError(f"{name} is not a number that JSON knows")
 
 
 def parse_experiment(body: bytes, content_type: str) -> Experiment:
@@ -51,9 +30,9 @@ def parse_experiment(body: bytes, content_type: str) -> Experiment:
     if "json" not in content_type:
         return experiment_from_yaml(body)
     try:
-        document = json.loads(body, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as error:
-        raise InvalidExperimentError([FieldError("", f"the body isn't JSON: {error}")]) from error
+        document = read_json(body)
+    except NotJsonError as error:
+        raise InvalidExperimentError([FieldError("", f"the body {error}")]) from error
     if not isinstance(document, dict):
         raise InvalidExperimentError([FieldError("", "the body must be a JSON object")])
     return Experiment.from_document(document)
@@ -83,7 +62,7 @@ def experiment_router(studio: Studio) -> APIRouter:
         """JSON Schema of an experiment with symbols, units and bounds; the laws in ``x-laws``."""
         return {**Experiment.model_json_schema(), "x-laws": law_infos()}
 
-    @router.get("/experiment", response_model=ExperimentAnswer)
+    @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
     async def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:
         """The live document, as JSON or as a YAML download."""
         if format == "yaml":
@@ -104,7 +83,7 @@ def experiment_router(studio: Studio) -> APIRouter:
             "requestBody": {
                 "required": True,
                 "content": {
-                    YAML: {"schema": {"type": "string"}},
+                    YAML: {"schema": {"type": "object"}},
                     "application/json": {"schema": {"type": "object"}},
                 },
             }
@@ -112,7 +91,7 @@ def experiment_router(studio: Studio) -> APIRouter:
     )
     async def replace(request: Request) -> dict[str, Any]:
         """Replace the live document by JSON or YAML; time begins at 0."""
-        body = await read_body(request)
+        body = await request.body()
         experiment = parse_experiment(body, request.headers.get("content-type", ""))
         document.replace(experiment, author="http")
         return answer()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
-from contextlib import suppress
 from typing import Any
 
 from fastapi import APIRouter
@@ -12,6 +10,9 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from robot.errors import FieldError, InvalidExperimentError, SlidetuneError
+from server.access import role_in
+from server.access_policy import WATCH_ONLY
+from server.allowance import Allowance
 from server.contract import (
     ClientMessage,
     KickMessage,
@@ -22,20 +23,16 @@ from server.contract import (
     SpeedMessage,
     StepMessage,
     ViewMessage,
+    is_request_id,
 )
 from server.errors import error_body
 from server.hub import Client, Hub, encode
+from server.limits import CLIENT_BURST, CLIENT_RATE, MAX_CLIENTS, TOTAL_RATE, TooManyPatchesError
+from server.plain_json import NotJsonError, read_json
 from server.refusals import message_body, refusal_body
 from server.studio import Studio
 
-MAX_CLIENTS = 128
-"""Most clients of the live WebSocket at once (*ours*)."""
-
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
-
-
-def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is not a number that JSON knows")
 
 
 class Conversation:
@@ -46,23 +43,45 @@ class Conversation:
         self._client = client
         self._studio = studio
         self._hub = hub
+        self._allowance = Allowance(CLIENT_RATE, CLIENT_BURST)
 
     async def hear(self, text: str) -> None:
         """Act on one message; a bad one is answered to this client alone and changes nothing."""
         request: Any = None
         try:
-            data = json.loads(text, parse_constant=_no_constant)
+            data = read_json(text)
             request = data.get("id") if isinstance(data, dict) else None
-            await self._act(_MESSAGE.validate_python(data))
+            if self._client.role == "viewer":
+                self._refuse(error_body("watch_only", WATCH_ONLY), request)
+                return
+            message = _MESSAGE.validate_python(data)
+            await self._pace(message)
+            await self._act(message)
         except ValidationError as error:
             self._refuse(message_body(error), request)
         except SlidetuneError as error:
             self._refuse(refusal_body(error), request)
-        except (ValueError, RecursionError) as error:
-            self._refuse(error_body("bad_message", f"The message isn't JSON: {error}"), request)
+        except NotJsonError as error:
+            self._refuse(error_body("bad_message", f"The message {error}."), request)
+
+    async def _pace(self, message: Any) -> None:
+        """Refuse what comes faster than it may; a slow drip of refusals is all that a flood gets.
+
+        Raises:
+            TooManyPatchesError: naming the limit; the message wasn't acted on.
+        """
+        if not self._allowance.take():
+            # This client's next message waits meanwhile; nobody else's does.
+            await asyncio.sleep(1.0 / CLIENT_RATE)
+            text = f"more than {CLIENT_RATE:g} messages a second from one client"
+        elif isinstance(message, PatchMessage | LaneMessage) and not self._hub.patches.take():
+            text = f"more than {TOTAL_RATE:g} patches a second from all clients together"
+        else:
+            return
+        raise TooManyPatchesError(f"{text}: this one was not acted on, send it again in a moment")
 
     def _refuse(self, body: dict[str, Any], request: Any) -> None:
-        known = request if isinstance(request, int | str) else None
+        known = request if is_request_id(request) else None
         self._client.tell(encode({"type": "error", "id": known, **body}))
 
     async def _act(self, message: Any) -> None:
@@ -130,8 +149,11 @@ async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -
                 return
     finally:
         sender.cancel()
-        with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
-            await sender
+        # Not awaited itself: its traceback would keep this frame, and so the client's ring, alive.
+        await asyncio.wait([sender])
+        error = None if sender.cancelled() else sender.exception()
+        if error is not None and not isinstance(error, WebSocketDisconnect | RuntimeError):
+            raise error
 
 
 def live_router(studio: Studio, hub: Hub) -> APIRouter:
@@ -144,7 +166,7 @@ def live_router(studio: Studio, hub: Hub) -> APIRouter:
         if len(hub.clients) >= MAX_CLIENTS:
             await socket.close(1013, f"{MAX_CLIENTS} clients are connected already.")
             return
-        client = Client(hub.new_name(), socket, studio)
+        client = Client(hub.new_name(), socket, studio, role_in(socket.scope))
         hub.clients.add(client)
         try:
             await _talk(socket, client, Conversation(client, studio, hub))

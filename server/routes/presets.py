@@ -10,7 +10,9 @@ from starlette.concurrency import run_in_threadpool
 
 from robot.presets import PresetStore, preset_store
 from server.contract import ErrorAnswer, ExperimentAnswer, PresetAnswer, PresetList, PresetSummary
-from server.routes.experiment import YAML, parse_experiment, read_body, yaml_response
+from server.openapi import OR_YAML, YAML
+from server.preset_room import refuse_if_full
+from server.routes.experiment import parse_experiment, yaml_response
 from server.studio import Studio
 
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
@@ -34,7 +36,7 @@ def presets_router(studio: Studio) -> APIRouter:
         """All presets: those that ship first."""
         return {"presets": [asdict(info) for info in preset_store().infos()]}
 
-    @router.get("/{name}", response_model=PresetAnswer, responses=_UNKNOWN)
+    @router.get("/{name}", response_model=PresetAnswer, responses={**_UNKNOWN, **OR_YAML})
     def one_preset(
         name: str, request: Request, format: Annotated[Literal["json", "yaml"], Query()] = "json"
     ) -> Any:
@@ -52,7 +54,7 @@ def presets_router(studio: Studio) -> APIRouter:
         openapi_extra={
             "requestBody": {
                 "content": {
-                    YAML: {"schema": {"type": "string"}},
+                    YAML: {"schema": {"type": "object"}},
                     "application/json": {"schema": {"type": "object"}},
                 }
             }
@@ -62,11 +64,12 @@ def presets_router(studio: Studio) -> APIRouter:
         name: str, request: Request, overwrite: Annotated[bool, Query()] = False
     ) -> dict[str, Any]:
         """Save an experiment as a preset of the user's; an empty body saves the live one."""
-        body = await read_body(request)
+        body = await request.body()
         content_type = request.headers.get("content-type", "")
         store = preset_store()
         experiment = parse_experiment(body, content_type) if body.strip() else None
         saved = experiment or studio.document.experiment
+        await run_in_threadpool(refuse_if_full, store, name)
         await run_in_threadpool(store.save, name, saved, overwrite)
         if experiment is None:
             studio.document.saved_as(name)

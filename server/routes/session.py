@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Body
+from fastapi import APIRouter, Body, Request
 
+from server.access import role_in
 from server.contract import ErrorAnswer, Health, Kick, SessionState, Speed, Steps
+from server.limits import limits_document
 from server.studio import Studio
 
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
@@ -18,9 +20,10 @@ def session_router(studio: Studio) -> APIRouter:
     session = studio.session
 
     @router.get("/health", response_model=Health)
-    async def health() -> dict[str, Any]:
-        """Whether the server is well."""
-        return studio.health()
+    async def health(request: Request) -> dict[str, Any]:
+        """Whether the server is well, what it lets you do, and how much of it."""
+        role = role_in(request.scope)
+        return {**studio.health(), "role": role, "limits": limits_document()}
 
     @router.get("/session", response_model=SessionState)
     async def state() -> dict[str, Any]:

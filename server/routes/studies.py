@@ -9,19 +9,37 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body
 from fastapi.responses import StreamingResponse
 from pydantic import Field
+from starlette.types import Receive, Scope, Send
 
+from robot.quantity import JOINTS
 from robot.study.knob import COUNT
 from robot.study.plan import Trial, sensitivity, strip, switching_comparison
-from robot.study.variant import figures
+from robot.study.variant import METRICS, figures
 from server.contract import ErrorAnswer, Strict
+from server.limits import MAX_STUDIES, TooManyStudiesError
+from server.seats import Seats
 from server.studio import Studio
-from server.workers import WorkerLostError
+from server.workers import BusyError, WorkerLostError
 
 NDJSON = "application/x-ndjson"
 LINES: dict[int | str, dict[str, Any]] = {
     200: {"content": {NDJSON: {}}, "description": "One JSON object a line, as the runs end."},
     422: {"model": ErrorAnswer},
+    429: {"model": ErrorAnswer},
 }
+_FULL = f"{MAX_STUDIES} studies are under way already: ask again when one of them has ended"
+
+
+class _Seated(StreamingResponse):
+    """An answer that holds a seat until all of it is sent, or its client has gone."""
+
+    def __init__(self, seats: Seats, lines: AsyncIterator[str]) -> None:
+        super().__init__(lines, media_type=NDJSON)
+        self._seats = seats
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        with self._seats.one():
+            await super().__call__(scope, receive, send)
 
 
 class StudyRequest(Strict):
@@ -35,6 +53,9 @@ class StripRequest(StudyRequest):
 
     field: str = Field(examples=["c"])
     count: int = Field(COUNT, ge=2, le=60)
+    joint: int | None = Field(
+        None, ge=1, le=JOINTS, description="Turn this joint's share alone; null: all joints alike."
+    )
 
 
 class SensitivityRequest(StudyRequest):
@@ -46,6 +67,7 @@ class SensitivityRequest(StudyRequest):
 def studies_router(studio: Studio) -> APIRouter:
     """Return the routes of the studies."""
     router = APIRouter(prefix="/api/studies", tags=["studies"])
+    seats = Seats(MAX_STUDIES, lambda: TooManyStudiesError(_FULL))
 
     def told(lane: str, trials: list[Trial]) -> StreamingResponse:
         experiment, revision = studio.document.experiment, studio.document.revision
@@ -55,8 +77,9 @@ def studies_router(studio: Studio) -> APIRouter:
             for number, trial in enumerate(trials):
                 try:
                     result = await studio.workers.run(figures, experiment, lane, trial.patch)
-                except WorkerLostError as error:
-                    result = {"state": "refused", "reason": str(error)}
+                except (BusyError, WorkerLostError) as error:
+                    nothing = dict.fromkeys(METRICS)
+                    result = {**nothing, "state": "refused", "reason": str(error)}
                 row = {
                     "number": number,
                     "count": len(trials),
@@ -66,12 +89,13 @@ def studies_router(studio: Studio) -> APIRouter:
                 }
                 yield json.dumps(row, allow_nan=False, ensure_ascii=False) + "\n"
 
-        return StreamingResponse(lines(), media_type=NDJSON)
+        return _Seated(seats, lines())
 
     @router.post("/strip", response_class=StreamingResponse, responses=LINES)
     async def one_knob(wanted: Annotated[StripRequest, Body()]) -> StreamingResponse:
-        """Try one gain along its slider's track, the others fixed."""
-        trials = strip(studio.document.experiment, wanted.lane, wanted.field, wanted.count)
+        """Try one gain, of all joints or of one, along its slider's track, the others fixed."""
+        experiment = studio.document.experiment
+        trials = strip(experiment, wanted.lane, wanted.field, wanted.count, wanted.joint)
         return told(wanted.lane, trials)
 
     @router.post("/sensitivity", response_class=StreamingResponse, responses=LINES)

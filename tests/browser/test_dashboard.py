@@ -264,6 +264,58 @@ def test_the_page_comes_back_when_the_server_does(
     expect(page.locator("#tune")).to_contain_text("Computed torque")
 
 
+def test_a_frozen_page_comes_back_when_it_is_looked_at_again(
+    page: Page, start_dashboard: StartDashboard, complaints: Complaints
+) -> None:
+    # What the browser itself says of a line that breaks.
+    complaints.allow("ERR_CONNECTION_|WebSocket connection to|ERR_EMPTY_RESPONSE|ERR_NETWORK")
+    first = start_dashboard()
+    port = re.search(r":(\d+)/", first.url)
+    assert port is not None
+    open_page(page, first)
+    lifecycle = page.context.new_cdp_session(page)
+    lifecycle.send("Page.setWebLifecycleState", {"state": "frozen"})
+    first.process.send_signal(signal.SIGTERM)
+    first.process.wait(timeout=30)
+    start_dashboard("--port", port[1], "--preset", "realistic")
+    lifecycle.send("Page.setWebLifecycleState", {"state": "active"})
+    expect(page.locator("#tune")).to_contain_text("Computed torque", timeout=60_000)
+    expect(page.locator("#banner .banner")).to_be_hidden()
+    expect(page.locator("#header")).to_contain_text("live")
+    clock = page.locator("#header .status-time")
+    expect(clock).not_to_have_text(clock.inner_text())
+
+
+def test_a_hidden_page_tries_again_as_soon_as_it_is_seen(
+    page: Page, start_dashboard: StartDashboard, complaints: Complaints
+) -> None:
+    complaints.allow("ERR_CONNECTION_|WebSocket connection to|ERR_EMPTY_RESPONSE|ERR_NETWORK")
+    # A browser out of sight lets a timer of a second or more wait for long.
+    page.add_init_script(
+        """const wait = window.setTimeout;
+        let hidden = false;
+        Object.defineProperty(document, 'hidden', {get: () => hidden});
+        window.setTimeout = (act, time) => wait(act, hidden && time > 300 ? 1e8 : time);
+        window.hide = (now) => {
+          hidden = now;
+          document.dispatchEvent(new Event('visibilitychange'));
+        };"""
+    )
+    first = start_dashboard()
+    port = re.search(r":(\d+)/", first.url)
+    assert port is not None
+    open_page(page, first)
+    page.evaluate("hide(true)")
+    first.process.send_signal(signal.SIGTERM)
+    first.process.wait(timeout=30)
+    expect(page.locator("#banner")).to_contain_text("The connection to the server is lost.")
+    start_dashboard("--port", port[1], "--preset", "realistic")
+    expect(page.locator("#banner .banner")).to_be_visible()
+    page.evaluate("hide(false)")
+    expect(page.locator("#banner .banner")).to_be_hidden(timeout=60_000)
+    expect(page.locator("#tune")).to_contain_text("Computed torque")
+
+
 def test_dark_and_narrow_screens_show_the_same_parts(page: Page, dashboard: Dashboard) -> None:
     page.emulate_media(color_scheme="dark")
     page.set_viewport_size({"width": 390, "height": 844})

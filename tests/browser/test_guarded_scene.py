@@ -17,7 +17,8 @@ from fastapi.responses import HTMLResponse
 from playwright.sync_api import ConsoleMessage, Page, sync_playwright
 from starlette.types import ASGIApp
 
-from server.access import Access, AccessPolicy, policy_for
+from server.access import Access
+from server.access_policy import AccessPolicy, policy_for
 from server.scene_relay import scene_router
 
 

@@ -107,6 +107,52 @@ def test_a_strip_of_another_experiment_is_not_shown(dashboard: Dashboard, screen
     expect(words).to_contain_text("best near", timeout=SLOW)
 
 
+def test_a_joint_has_a_strip_of_its_own_share(dashboard: Dashboard, screen: Page) -> None:
+    path = f"lanes.{PROPOSED}.nu"
+    nu = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    change(dashboard, {"lanes": {PROPOSED: {"nu": nu}}})
+    control(screen, path).locator(".disclosure").click()
+    second = control(screen, path).locator(".joint-row").nth(1)
+    second.locator(".slider").hover()
+    words = second.locator(".heat-words")
+    expect(words).to_contain_text("ν of J2", timeout=SLOW)
+    expect(second.locator(".heat-best")).to_contain_text(
+        re.compile("best near|no difference"), timeout=SLOW
+    )
+    rows = study(dashboard, "strip", lane=PROPOSED, field="nu", count=20, joint=2)
+    best = min((row for row in rows if row["state"] == "good"), key=lambda row: row["mae"])
+    shown = re.search(r"([\d.]+) mrad$", second.locator(".heat-best").inner_text())
+    assert shown is not None
+    assert float(shown[1]) == float(f"{1000 * best['mae']:.3g}")
+    assert experiment(dashboard)["lanes"][PROPOSED]["nu"] == nu
+
+    # Another joint's share is part of what this strip depends on, its own isn't.
+    before = second.locator(".heat-best").inner_text()
+    change(dashboard, {"lanes": {PROPOSED: {"nu": [20.0, *nu[1:]]}}})
+    expect(second.locator(".heat-best")).not_to_have_text(before)
+    screen.mouse.move(2, 2)
+    expect(second.locator(".heat-strip")).to_have_count(0)
+    third = control(screen, path).locator(".joint-row").nth(2)
+    second.locator(".number-box").focus()
+    screen.keyboard.press("Tab")
+    expect(third.locator(".slider")).to_be_focused()
+    expect(third.locator("[role=status]")).to_contain_text(
+        re.compile("best near|no difference"), timeout=SLOW
+    )
+
+
+def test_gains_of_six_have_bars_that_set_all_six(dashboard: Dashboard, screen: Page) -> None:
+    nu = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    change(dashboard, {"lanes": {PROPOSED: {"nu": nu}}})
+    screen.get_by_role("button", name="Which knob next?").click()
+    expect(screen.locator(".tornado-progress")).to_be_hidden(timeout=SLOW)
+    up = screen.get_by_role("button", name=re.compile(r"^Error gain \+10 %, to 1.1, 2.2, 3.3, …"))
+    up.click()
+    expect(control(screen, f"lanes.{PROPOSED}.nu").locator(".joint-values")).to_contain_text("6.6")
+    taken = experiment(dashboard)["lanes"][PROPOSED]["nu"]
+    assert taken == pytest.approx([1.1 * value for value in nu])
+
+
 def test_a_bar_moves_its_slider_and_undo_brings_it_back(dashboard: Dashboard, screen: Page) -> None:
     screen.get_by_role("button", name="Which knob next?").click()
     up = screen.get_by_role("button", name=re.compile(r"^Velocity gain \+10 %"))

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from robot.experiment import Experiment
 from robot.simulate import Run, simulate
@@ -58,7 +58,8 @@ def revision(dashboard: Dashboard) -> int:
 def until_exact(page: Page, dashboard: Dashboard) -> None:
     """Wait for the exact response of the newest revision, drawn."""
     status = page.locator(".response-status")
-    expect(status).to_have_attribute("data-run", "exact")
+    # The first one waits until the server's processes for such runs have started.
+    expect(status).to_have_attribute("data-run", "exact", timeout=60_000)
     expect(status).to_have_attribute("data-response", str(revision(dashboard)))
     expect(page.locator(".response path.js-line").nth(8)).to_be_attached()
 
@@ -200,6 +201,46 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     page.reload()
     until_exact(page, dashboard)
     expect(page.locator(".response-chip")).to_have_count(0)
+
+
+def names(page: Page) -> list[str]:
+    """Return the names of the baselines on a page."""
+    boxes = page.get_by_role("textbox", name="Name of the baseline")
+    found: list[str] = boxes.evaluate_all("boxes => boxes.map(box => box.value)")
+    return found
+
+
+def until_names(pages: list[Page], wanted: list[str]) -> None:
+    deadline = time.monotonic() + 15.0
+    while any(names(page) != wanted for page in pages):
+        assert time.monotonic() < deadline, [names(page) for page in pages]
+        pages[0].wait_for_timeout(50)
+
+
+def test_two_pages_keep_each_other_s_baselines(
+    context: BrowserContext, page: Page, dashboard: Dashboard
+) -> None:
+    pages = [page, context.new_page()]
+    for each in pages:
+        each.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+        open_response(each, dashboard)
+    for each in pages:
+        each.get_by_role("button", name="Pin as baseline").click()
+    until_names(pages, ["Baseline 1", "Baseline 2"])
+    for each in pages:
+        expect(row(each, "NFTSM", "Baseline 2")).to_contain_text("same")
+        expect(row(each, "NFTSM", "Baseline 1")).to_contain_text("same")
+    first = page.get_by_role("textbox", name="Name of the baseline").first
+    first.fill("before")
+    first.press("Enter")
+    until_names(pages, ["before", "Baseline 2"])
+    pages[1].get_by_role("button", name="Show before").click()
+    expect(row(pages[1], "NFTSM", "before")).to_have_count(0)
+    expect(row(page, "NFTSM", "before")).to_have_count(1)
+    pages[1].get_by_role("button", name="Remove Baseline 2").click()
+    until_names(pages, ["before"])
+    pages[1].reload()
+    until_names(pages, ["before"])
 
 
 def test_cursors_read_times_values_and_differences(page: Page, dashboard: Dashboard) -> None:

@@ -103,11 +103,26 @@ def test_lanes_do_not_see_each_other() -> None:
         np.testing.assert_array_equal(alone.lanes[name].record, together.lanes[name].record)
 
 
-def test_rows_go_round_a_short_record() -> None:
-    long, short = loop_of(THREE, 100), loop_of(THREE, 100, rows=16)
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_rows_go_round_a_short_record(mode: str) -> None:
+    document = {
+        "lanes": {law: {"law": law} for law in LAWS},
+        "robot": {"armature": 5.0},
+        "simulation": {"mode": mode, "control_rate": 10_000.0},
+    }
+    long, short = loop_of(document, 100), loop_of(document, 100, rows=16)
     rows = [number % 16 for number in range(84, 100)]
     for name, lane in short.lanes.items():
         np.testing.assert_array_equal(lane.record[rows], long.lanes[name].record[84:100])
+
+
+def test_a_lane_freezes_alike_once_its_rows_have_gone_round() -> None:
+    document = {"lanes": {"A": FALLING}, "disturbance": {"constant": -50}}
+    long, short = (loop_of(document, 300, rows).lanes["A"] for rows in (512, 16))
+    assert long.freeze is not None
+    assert long.freeze == short.freeze
+    rows = [number % 16 for number in range(284, 300)]
+    np.testing.assert_array_equal(short.record[rows], long.record[284:300])
 
 
 def test_an_edit_keeps_time_and_states() -> None:

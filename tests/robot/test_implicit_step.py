@@ -134,6 +134,19 @@ def test_torque_limits_hold_at_the_end_of_the_step(seed: int) -> None:
     np.testing.assert_allclose(torque[~free], (work[HELD] * limits)[~free], atol=1e-7)
 
 
+def test_torque_limits_hold_though_each_joint_drives_the_next_one_to_its_own() -> None:
+    h, limits = 1e-3, 0.2 ** np.arange(JOINTS)
+    work = np.zeros((WORK_ROWS, JOINTS))
+    # Held stiffly, a joint is hardly moved by its neighbour: at its limit it gives way.
+    work[TAU, 0], work[GAIN], work[S_V] = 1000.0, 1e6, 1.0
+    M = np.eye(JOINTS) + 0.45 * (np.eye(JOINTS, k=1) + np.eye(JOINTS, k=-1))
+    implicit_step(h, CURRENT, FULL, M, np.zeros(JOINTS), limits, work)
+    torque = M @ (work[FULL + V] / h)
+    assert (work[HELD, 1:] != 0.0).all()
+    np.testing.assert_allclose(np.abs(torque[1:]), limits[1:], rtol=1e-9)
+    assert abs(torque[0]) <= 1.0
+
+
 def test_wide_limits_change_nothing() -> None:
     work, M, bias = evaluation(3)
     other = work.copy()
@@ -167,10 +180,14 @@ def test_extrapolated_scheme_is_of_second_order(name: str) -> None:
 
 
 def test_extrapolation_cancels_the_first_order() -> None:
+    full, half = np.random.default_rng(4).normal(size=(2, STATE_ROWS, JOINTS))
     work = np.zeros((WORK_ROWS, JOINTS))
-    work[FULL:HALF], work[HALF : HALF + STATE_ROWS] = 3.0, 2.0
+    work[FULL:HALF], work[HALF : HALF + STATE_ROWS] = full, half
     assert accept(True, work) == 0
-    assert (work[CURRENT : CURRENT + STATE_ROWS] == 1.0).all()
+    np.testing.assert_array_equal(work[CURRENT : CURRENT + STATE_ROWS], 2.0 * half - full)
+    work[FULL:HALF] = full
+    assert accept(False, work) == 0
+    np.testing.assert_array_equal(work[CURRENT : CURRENT + STATE_ROWS], full)
 
 
 @pytest.mark.parametrize(

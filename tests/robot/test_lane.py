@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,18 +10,22 @@ import pytest
 
 from robot.experiment import Experiment
 from robot.lane import Lane
+from robot.laws import LAWS
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
-from robot.workspace import PUSH, RECORD_COLUMNS, TAU, Q, V, W
+from robot.workspace import FULL, PUSH, RECORD_COLUMNS, STATE_ROWS, TAU, WORK_ROWS, Q, V, W
 
 Array = np.ndarray
 # The published gains at 1 kHz on the vendor's arm: a margin of 2675.
 DIVERGENT = {"simulation": {"mode": "sampled"}}
-# Nobody holds the wrist of a gram against 50 N m.
-PUSHED = {
-    "lanes": {"A": {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}},
-    "disturbance": {"constant": [0, 0, 0, 0, 0, -50]},
+MODES: dict[str, dict[str, Any]] = {
+    "extrapolated": {"mode": "continuous", "scheme": "extrapolated"},
+    "plain": {"mode": "continuous", "scheme": "plain"},
+    "sampled": {"mode": "sampled", "input_delay": 0.0014},
 }
+IDLE = {"law": "rbfnn_smc", "k1": 0.0, "k2": 0.0, "learning_rate": 0.0}
+# Nobody holds the wrist of a gram against 50 N m.
+PUSHED = {"lanes": {"A": IDLE}, "disturbance": {"constant": [0, 0, 0, 0, 0, -50]}}
 
 
 def packed_of(document: dict[str, Any], law: str = "rbfnn_nftsm") -> Packed:
@@ -70,6 +75,82 @@ def test_restart_repeats_to_the_last_bit() -> None:
     lane.restart(packed)
     assert stepped(lane, packed, 300) == 300
     np.testing.assert_array_equal(lane.record[:300], first[:300])
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("law", [*LAWS, "shaped"])
+def test_a_step_depends_on_nothing_but_the_state(law: str, mode: str) -> None:
+    chosen = {"law": "nftsm", "inertia_shaped": True} if law == "shaped" else {"law": law}
+    gains = {} if law == "computed_torque" else {"k1": 5.0, "k2": 1.0}
+    document = {
+        "lanes": {"A": {**chosen, **gains}},
+        "robot": {"armature": 0.5, "viscous_friction": 1.0, "torque_limit": 20.0},
+        "disturbance": {"nominal_mismatch": 0.9},
+        "simulation": {**MODES[mode], "initial_error": 0.1},
+    }
+    packed = packed_of(document)
+    left_alone, scribbled = lane_of(packed), lane_of(packed)
+    random = np.random.default_rng(1)
+    for number in range(20):
+        push = scribbled.work[PUSH].copy()
+        scribbled.work[FULL:] = random.normal(size=(WORK_ROWS - FULL, JOINTS))
+        scribbled.work[PUSH] = push
+        for lane in (left_alone, scribbled):
+            assert lane.step(number * 1e-3, number, number) == 0
+    np.testing.assert_array_equal(scribbled.record, left_alone.record)
+    np.testing.assert_array_equal(scribbled.work[:STATE_ROWS], left_alone.work[:STATE_ROWS])
+
+
+@pytest.mark.parametrize("failing", [1, 2])
+def test_a_stage_that_fails_ends_its_step(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    def stage(t: float, row: int, wiring: Array) -> int:
+        asked.append(t)
+        return 3 if len(asked) == failing else 0
+
+    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], step=stage))
+    lane = lane_of(packed_of({"simulation": {"step": 0.002}}, "smc"))
+    assert lane.step(0.5, 0, 0) == 3
+    assert asked == [0.5, 0.501][:failing]
+
+
+def gained_velocity(patch: dict[str, Any]) -> Array:
+    """Return what a patch adds to the velocity [rad/s] of an idle, heavy arm within 5 ms."""
+    simulation = {"mode": "sampled", "initial_velocity": "rest", "initial_error": 0.1}
+    idle = packed_of(
+        {
+            "lanes": {"A": IDLE},
+            "trajectory": {"kind": "hold"},
+            "robot": {"armature": 5.0},
+            "simulation": simulation,
+        }
+    )
+    velocities = []
+    for packed in (idle, pack(idle.experiment.patched(patch))):
+        lane = lane_of(packed)
+        assert stepped(lane, packed, 5) == 5
+        velocities.append(lane.work[V].copy())
+    return velocities[1] - velocities[0]
+
+
+@pytest.mark.parametrize("delay", [0.0003, 0.001, 0.0014, 0.002, 0.0036])
+def test_a_torque_reaches_the_joints_when_its_delay_is_over(delay: float) -> None:
+    constant = {"A": {"reaching": "constant", "switching": "sign", "k2": 30.0}}
+    prompt = gained_velocity({"lanes": constant})
+    late = gained_velocity({"lanes": constant, "simulation": {"input_delay": delay}})
+    assert np.abs(prompt).min() > 1e-3
+    np.testing.assert_allclose(late / prompt, 1.0 - delay / 0.005, atol=2e-3)
+
+
+@pytest.mark.parametrize("start", [0.00045, 0.00195, 0.00345])
+def test_a_push_between_two_samples_acts_from_then_on(start: float) -> None:
+    pulse = {"amplitude": 30.0, "duration": 1.0}
+    whole = gained_velocity({"disturbance": {"pulse": {**pulse, "start": 0.0}}})
+    late = gained_velocity({"disturbance": {"pulse": {**pulse, "start": start}}})
+    assert np.abs(whole).min() > 1e-3
+    # It acts from the next step of the arm on, of which there are ten a millisecond.
+    np.testing.assert_allclose(late / whole, 1.0 - (start + 5e-5) / 0.005, atol=2e-3)
 
 
 def test_other_gains_leave_the_state() -> None:
@@ -140,6 +221,47 @@ def test_a_new_delay_begins_with_the_present_torque() -> None:
     stepped(lane, packed, 20)
     lane.adopt(pack(packed.experiment.patched({"simulation": {"input_delay": 0.01}})))
     np.testing.assert_array_equal(lane.commands, np.tile(lane.work[TAU], (12, 1)))
+
+
+def test_a_loop_that_becomes_sampled_begins_with_the_torque_it_had() -> None:
+    packed = packed_of({"lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}}})
+    lane = lane_of(packed)
+    stepped(lane, packed, 20)
+    assert lane.commands is not None
+    assert not lane.commands.size
+    sampled = {"mode": "sampled", "input_delay": 0.003}
+    lane.adopt(pack(packed.experiment.patched({"simulation": sampled})))
+    assert lane.work[TAU].any()
+    np.testing.assert_array_equal(lane.commands, np.tile(lane.work[TAU], (5, 1)))
+
+
+def test_a_state_that_breaks_goes_back_to_the_last_row_where_it_broke() -> None:
+    packed = packed_of({"lanes": {"A": {"law": "rbfnn_nftsm", "k1": 5.0, "k2": 1.0}}})
+    lane = lane_of(packed)
+    assert stepped(lane, packed, 30) == 30
+    state = lane.work[:STATE_ROWS].copy()
+    lane.work[Q, 2], lane.work[V, 4], lane.work[W + 3, 1] = np.nan, np.inf, np.nan
+    assert stepped(lane, packed, 1, first=30) == 30
+    last = lane.record[29]
+    assert lane.freeze is not None
+    state[Q, 2], state[V, 4], state[W + 3, 1] = last[2], last[JOINTS + 4], 0.0
+    np.testing.assert_array_equal(lane.work[:STATE_ROWS], state)
+    row = lane.record[30]
+    assert np.isfinite(row).all()
+    np.testing.assert_array_equal(row[: 2 * JOINTS], state[[Q, V]].ravel())
+    # Of what the law said of a broken state, the last that was known stands.
+    assert row[2 * JOINTS + 2] == last[2 * JOINTS + 2] != 0.0
+
+
+def test_a_first_step_that_breaks_shows_nothing_of_an_earlier_run() -> None:
+    packed = packed_of({"lanes": {"A": {"law": "rbfnn_nftsm"}}})
+    lane = lane_of(packed)
+    lane.record[:] = 9.0
+    packed.gains["A"][:, 3] = np.nan
+    assert stepped(lane, packed, 1) == 0
+    tau, sliding = lane.record[0].reshape(-1, JOINTS)[2:4]
+    assert (tau[3], sliding[3]) == (0.0, 0.0)
+    assert np.isfinite(lane.record[0]).all()
 
 
 def test_a_sampled_lane_that_diverges_says_when_where_why_and_what_to_do() -> None:

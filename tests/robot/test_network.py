@@ -77,6 +77,17 @@ def test_narrow_gaussians_are_blind_between_their_centres() -> None:
     assert work[HIDDEN : HIDDEN + NODES].max() < 1e-6
 
 
+@pytest.mark.parametrize("width", [0.02, 0.08, 0.12, 0.19, 0.21, 0.5, 2.0, 10.0, 100.0])
+def test_outputs_are_exact_however_narrow_the_gaussians(width: float) -> None:
+    gains = NetworkGains(width=width, center_span=2.0, network_input="desired")
+    work = np.zeros((WORK_ROWS, JOINTS))
+    for first in (-2.5, -1.0, 0.0, 1.0):
+        x = work[QD] = first + np.array([0.0, 0.05, 0.5, 0.9, 1.0, 1.5])
+        network(gains.pack_network(), CURRENT, work)
+        hidden = np.exp(-np.square((x - gains.centers()[:, None]) / width) / 2.0)
+        np.testing.assert_allclose(work[HIDDEN : HIDDEN + NODES], hidden, rtol=0.0, atol=1e-12)
+
+
 def test_far_away_input_gives_no_output_and_no_error() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[QD], work[W : W + NODES] = 1e6, 1e6

@@ -170,6 +170,10 @@ def test_a_text_may_leave_things_out() -> None:
         ("title: a\n" + "x" * 200 + ": 1\n", 2, "120"),
         ("title: " + "[" * 5000, 1, "deeper"),
         ("\n" + "{a: " * 500, 2, "deeper"),
+        ("title: a\ntrue: b\n", 2, "put true in quotes"),
+        ("title: a\n? \n: b\n", 2, "empty"),
+        ("lanes: {A: {law: smc}\n", 2, "got '<stream end>'"),
+        ('title: a\ndescription: "\\U00110000"\n', 2, "no character"),
     ],
 )
 def test_what_is_not_plain_is_refused_with_its_line(text: str, line: int | None, word: str) -> None:

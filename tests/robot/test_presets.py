@@ -284,3 +284,23 @@ def test_every_lane_of_the_realistic_preset_follows_within_milliradians() -> Non
     for lane in run.lanes.values():
         assert lane.metrics_since(1.0).mae.max() < 0.006
         assert (lane.metrics.peak_torque < [150, 150, 150, 28, 28, 28]).all()
+
+
+@pytest.mark.parametrize(
+    ("number", "way_out"),
+    [(errno.ENOSPC, "free some space"), (errno.EROFS, "SLIDETUNE_PRESETS"), (errno.EIO, "")],
+)
+def test_a_failed_save_says_what_to_do_and_keeps_the_old_preset(
+    store: PresetStore, monkeypatch: pytest.MonkeyPatch, number: int, way_out: str
+) -> None:
+    store.save("mine", MINE)
+
+    def fail(_: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(PresetStorageError, match=os.strerror(number)) as caught:
+        store.save("mine", Experiment(), overwrite=True)
+    assert way_out in str(caught.value)
+    assert store.load("mine") == MINE
+    assert [file.name for file in store.user.iterdir()] == ["mine.yaml"]

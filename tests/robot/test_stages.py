@@ -13,7 +13,7 @@ from robot.experiment import Experiment, Robot
 from robot.lane import Lane
 from robot.packed import pack
 from robot.quantity import JOINTS
-from robot.stages import command, observe, plant_step
+from robot.stages import command, observe, plant_step, write_record
 from robot.trajectory import HoldTrajectory, pack_trajectory
 from robot.workspace import (
     APPLIED,
@@ -24,6 +24,7 @@ from robot.workspace import (
     MEASURED_V,
     NETWORK,
     NODES,
+    PUSH,
     QD,
     RECORD,
     RECORD_COLUMNS,
@@ -129,6 +130,35 @@ def test_a_record_holds_the_columns_that_it_names() -> None:
     assert (found["weights"] > 0.0).all()
     for name, row in (("tau", TAU), ("S", S), ("f", NETWORK), ("q_d", QD), ("v_d", VD)):
         np.testing.assert_array_equal(found[name], lane.work[row], err_msg=name)
+
+
+def test_a_record_is_of_the_current_state_and_of_its_own_row() -> None:
+    work = np.random.default_rng(3).normal(size=(WORK_ROWS, JOINTS))
+    record = np.zeros((3, RECORD_COLUMNS))
+    world = pack_world(Disturbance(), 0.0, 0.0, 1.0)
+    work[TAU] = (-9.0, 9.0, 0.5, -0.5, 1.0, 2.0)
+    write_record(1, world, work, record)
+    weights = np.linalg.norm(work[W : W + NODES], axis=0)
+    expected = (work[Q], work[V], np.clip(work[TAU], -1.0, 1.0), work[S], work[NETWORK], weights)
+    found = record[1].reshape(len(RECORD), JOINTS)
+    np.testing.assert_allclose(found, (*expected, work[QD], work[VD]), rtol=1e-14)
+    assert not record[[0, 2]].any()
+
+
+@pytest.mark.parametrize("step", [1e-4, 5e-3])
+def test_a_step_of_the_arm_is_linearly_implicit_in_its_friction(step: float) -> None:
+    random = np.random.default_rng(6)
+    root = random.normal(size=(JOINTS, JOINTS))
+    M, bias = root @ root.T + np.eye(JOINTS), random.normal(size=JOINTS)
+    work = random.normal(size=(WORK_ROWS, JOINTS))
+    viscous = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    world = pack_world(Disturbance(constant=0.7), viscous, 0.0, None)
+    q, v, push, applied = (work[row].copy() for row in (Q, V, PUSH, APPLIED))
+    assert plant_step(0.0, wired(work, arm=arm_of(M, bias), world=world, step=step)) == 0
+    lost = bias + 0.7 + np.multiply(viscous, v) - push
+    faster = v + step * np.linalg.solve(M + step * np.diag(viscous), applied - lost)
+    np.testing.assert_allclose(work[V], faster, rtol=1e-9)
+    np.testing.assert_allclose(work[Q], q + step * faster, rtol=1e-9)
 
 
 def test_a_controller_sees_the_state_as_it_is_without_noise() -> None:

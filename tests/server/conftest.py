@@ -5,16 +5,19 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import httpx
 import pytest
 import uvicorn
 
 from robot.experiment import Experiment
-from server.access import policy_for
+from server.access_policy import AccessPolicy, policy_for
 from server.app import create_app
-from server.serve import MAX_MESSAGE, free_socket
+from server.limits import MAX_MESSAGE
+from server.serve import free_socket
 from server.studio import Studio
 
 LANES = {
@@ -32,19 +35,23 @@ class Served:
     live: str
     studio: Studio
     http: httpx.Client
+    policy: AccessPolicy
 
 
-@pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """Start one server for all tests, with an empty folder of own presets."""
+@contextmanager
+def serving(presets: Path, token: bool = False) -> Iterator[Served]:
+    """Start a server with a folder of own presets; ``http`` speaks as its owner."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIDETUNE_PRESETS", str(tmp_path_factory.mktemp("presets")))
+        patch.setenv("SLIDETUNE_PRESETS", str(presets))
         studio = Studio(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
         bound = free_socket("127.0.0.1", 0)
         port = bound.getsockname()[1]
-        app = create_app(studio, policy_for("127.0.0.1", port))
+        policy = policy_for("127.0.0.1", port, token)
         config = uvicorn.Config(
-            app, log_level="warning", ws_max_size=MAX_MESSAGE, timeout_graceful_shutdown=2
+            create_app(studio, policy),
+            log_level="warning",
+            ws_max_size=MAX_MESSAGE,
+            timeout_graceful_shutdown=2,
         )
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
@@ -54,11 +61,19 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
             assert time.monotonic() < end, "the server did not start"
             time.sleep(0.01)
         url = f"http://127.0.0.1:{port}"
-        with httpx.Client(base_url=url, timeout=60.0) as http:
-            yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http)
+        owner = {"authorization": f"Bearer {policy.token}"} if token else {}
+        with httpx.Client(base_url=url, headers=owner, timeout=60.0, trust_env=False) as http:
+            yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http, policy)
         server.should_exit = True
         thread.join(30.0)
         assert not thread.is_alive()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Start one server for all tests, with an empty folder of own presets."""
+    with serving(tmp_path_factory.mktemp("presets")) as server:
+        yield server
 
 
 @pytest.fixture

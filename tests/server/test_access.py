@@ -17,7 +17,8 @@ from fastapi import FastAPI, WebSocket
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from server.access import Access, AccessPolicy, policy_for
+from server.access import Access
+from server.access_policy import AccessPolicy, policy_for
 
 HTML = {"accept": "text/html,*/*"}
 
@@ -153,7 +154,7 @@ def test_only_the_printed_address_shows_the_token() -> None:
 def test_which_host_headers_name_the_server(
     bound: str, port: int, scheme: str, host: str, allowed: bool
 ) -> None:
-    assert AccessPolicy(bound, port, "t").allows_host(host, scheme) is allowed
+    assert AccessPolicy(bound, port).allows_host(host, scheme) is allowed
 
 
 def assert_refused(answer: httpx.Response, status: int, code: str) -> None:

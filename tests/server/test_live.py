@@ -89,10 +89,10 @@ def test_a_patch_is_echoed_to_all_and_marks_the_frames_that_follow(served: Serve
         ({"type": "lane", "origin": "nobody", "name": "B"}, "origin", "NFTSM"),
         ({"type": "lane", "origin": "NFTSM", "name": "RBFNN-SMC"}, "name", "already"),
         ({"type": "select", "lane": "nobody"}, "lane", "NFTSM"),
-        ({"type": "speed", "speed": 99}, "speed.speed", "10"),
-        ({"type": "view", "exaggeration": 0}, "view.exaggeration", "1"),
-        ({"type": "kick", "torque": [1, 2]}, "kick.torque.2", "required"),
-        ({"type": "dance"}, "", "dance"),
+        ({"type": "speed", "speed": 99}, "speed", "10"),
+        ({"type": "view", "exaggeration": 0}, "exaggeration", "1"),
+        ({"type": "kick", "torque": [1, 2]}, "torque.2", "missing"),
+        ({"type": "dance"}, "type", "dance"),
     ],
 )
 def test_a_bad_message_is_refused_to_its_sender_and_changes_nothing(

@@ -79,6 +79,22 @@ def test_a_suspended_process_makes_no_burst() -> None:
     assert pacer.capped
 
 
+def test_a_stall_is_told_once_and_a_hiccup_is_not() -> None:
+    clock = Clock()
+    pacer = Pacer(clock)
+    run(pacer, clock, 10)
+    told = []
+    for pause in (0.3, 7.0, 0.0, 0.0):
+        clock.now += pause
+        run(pacer, clock, 1)
+        told.append(pacer.stalled)
+    assert told == pytest.approx([0.0, 7.0 + TICK, 0.0, 0.0])
+    clock.now += 7.0
+    pacer.restart()
+    run(pacer, clock, 1)
+    assert pacer.stalled == 0.0
+
+
 def test_a_restart_forgets_the_pause() -> None:
     clock = Clock()
     pacer = Pacer(clock)

@@ -9,7 +9,8 @@ import pytest
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
-from server.access import Access, AccessPolicy
+from server.access import Access
+from server.access_policy import AccessPolicy
 
 OWN = "default-src 'none'"
 CONNECT = "connect-src 'self' ws://localhost:8000 wss://localhost:8000"

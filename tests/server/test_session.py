@@ -14,6 +14,7 @@ from robot.experiment import Experiment
 from robot.packed import pack
 from robot.simulate import simulate
 from robot.workspace import PUSH, Q
+from server.pacing import LONGEST, TICK, Pacer
 from server.session import Session
 from server.telemetry import HEADER
 
@@ -180,6 +181,26 @@ def test_a_duplicated_lane_continues_from_its_origin(session: Session) -> None:
     settle(session)
     assert session.angles()["C"] == session.angles()["A"]
     assert list(session.metrics) == ["A", "B", "C"]
+
+
+def test_a_suspended_session_says_so_and_makes_no_burst() -> None:
+    skipped = 0.0
+    session = Session(pack(experiment()), pacer=Pacer(lambda: time.perf_counter() + skipped))
+    told: list[str] = []
+    session.on_notice = told.append
+    session.start()
+    try:
+        until(lambda: session.state()["time"] > 0.1)
+        begin, before = time.perf_counter(), session.state()["time"]
+        skipped = 30.0
+        until(lambda: bool(told))
+        until(lambda: session.state()["time"] > before + LONGEST)
+        went = session.state()["time"] - before
+        assert went < time.perf_counter() - begin + LONGEST + TICK
+    finally:
+        session.stop()
+    assert len(told) == 1
+    assert "30 s" in told[0]
 
 
 def test_stop_leaves_no_thread() -> None:

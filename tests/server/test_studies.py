@@ -13,8 +13,10 @@ from robot.simulate import simulate
 from tests.server.conftest import Served
 
 
-def strip(served: Served, lane: str, field: str, count: int = 6) -> list[dict[str, Any]]:
-    body = {"lane": lane, "field": field, "count": count}
+def strip(
+    served: Served, lane: str, field: str, count: int = 6, **more: Any
+) -> list[dict[str, Any]]:
+    body = {"lane": lane, "field": field, "count": count, **more}
     answer = served.http.post("/api/studies/strip", json=body)
     assert answer.status_code == 200, answer.text
     return [json.loads(line) for line in answer.text.splitlines()]
@@ -54,6 +56,38 @@ def test_a_strip_sets_all_joints_alike_and_changes_nothing_live(served: Served) 
     rows = strip(served, "tanh", "k1", 3)
     assert [row["patch"]["lanes"]["tanh"]["k1"] for row in rows] == [0.0, 500.0, 1000.0]
     assert served.studio.document.experiment is before
+
+
+def test_a_strip_of_one_joint_leaves_the_others_as_they_are(served: Served) -> None:
+    prepare(served, "paper", lanes={"NFTSM": {"nu": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]}})
+    rows = strip(served, "NFTSM", "nu", 3, joint=2)
+    assert [row["value"] for row in rows] == pytest.approx([0.01, 1.0, 100.0])
+    for row in rows:
+        assert row["patch"]["lanes"]["NFTSM"]["nu"] == [1.0, row["value"], 3.0, 4.0, 5.0, 6.0]
+        assert row["state"] == "good"
+    assert len({row["mae"] for row in rows}) == 3
+    rows = strip(served, "NFTSM", "c", 2, joint=6)
+    assert rows[0]["patch"]["lanes"]["NFTSM"]["c"] == [10.0] * 5 + [0.05]
+
+
+@pytest.mark.parametrize(("field", "joint"), [("alpha", 1), ("nu", 7), ("nu", 0)])
+def test_a_share_that_no_joint_has_is_refused(served: Served, field: str, joint: int) -> None:
+    prepare(served, "paper")
+    body = {"lane": "NFTSM", "field": field, "joint": joint}
+    answer = served.http.post("/api/studies/strip", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["error"]["fields"][0]["path"] == "joint"
+
+
+def test_gains_of_six_are_turned_all_in_proportion(served: Served) -> None:
+    nu = [1.0, 2.0, 3.0, 4.0, 5.0, 95.0]
+    prepare(served, "paper", lanes={"NFTSM": {"nu": nu}})
+    answer = served.http.post("/api/studies/sensitivity", json={"lane": "NFTSM"})
+    rows = [json.loads(line) for line in answer.text.splitlines()]
+    down, up = [row["value"] for row in rows if row["name"] == "nu"]
+    assert down == pytest.approx([0.9 * value for value in nu])
+    assert up == pytest.approx([1.1 * value for value in nu[:5]] + [100.0])
+    assert {row["state"] for row in rows} == {"good"}
 
 
 def test_the_figures_are_those_of_a_whole_run(served: Served) -> None:

@@ -75,6 +75,17 @@ def test_a_killed_worker_is_told_and_replaced(workers: Workers) -> None:
     assert asyncio.run(workers.run(double, 4)) == 8
 
 
+def test_a_worker_that_was_killed_at_rest_costs_nothing(workers: Workers) -> None:
+    async def kill_and_ask(value: int) -> int:
+        await workers.run(double, 0)
+        for process in workers.processes():
+            os.kill(process, signal.SIGKILL)
+        return await workers.run(double, value)
+
+    # At once: the pool can't know yet.
+    assert [asyncio.run(kill_and_ask(value)) for value in range(3)] == [0, 2, 4]
+
+
 def test_stop_leaves_no_process() -> None:
     workers = Workers(1)
     assert asyncio.run(workers.run(double, 1)) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 import time
 from collections.abc import Callable
@@ -54,6 +55,8 @@ def _filled(value: Any, buffers: list[bytes]) -> Any:
 class ViserClient:
     """Connects like a browser and follows the scene until it is closed.
 
+    The port is Viser's own, or with the path "/scene/" that of a server that relays it.
+
     Attributes:
         count: messages received, without those of the connection itself.
         replayed: how many of them had been kept for newcomers, -1 until all have come.
@@ -63,14 +66,14 @@ class ViserClient:
         others: last message of each other type.
     """
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, path: str = "/") -> None:
         self.count, self.replayed = 0, -1
         self.nodes: dict[str, Message] = {}
         self.poses: dict[str, Message] = {}
         self.visible: dict[str, bool] = {}
         self.others: dict[str, Message] = {}
         self._socket = connect(
-            f"ws://127.0.0.1:{port}/",
+            f"ws://127.0.0.1:{port}{path}",
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
             compression=None,
             max_size=None,
@@ -93,6 +96,17 @@ class ViserClient:
     def close(self) -> None:
         self._socket.close()
         self._reader.join()
+
+    def break_off(self) -> None:
+        """Go without a word, in the middle of whatever comes."""
+        self._socket.socket.shutdown(socket.SHUT_RDWR)
+        self.wait_closed()
+
+    def wait_closed(self) -> None:
+        """Wait until the connection is gone."""
+        self._reader.join(DEADLINE)
+        assert not self._reader.is_alive(), "the connection stayed"
+        self._socket.close()
 
     def send(self, kind: str, **fields: Any) -> None:
         self._socket.send(msgspec.msgpack.encode({"type": kind, **fields}))

@@ -1,0 +1,78 @@
+"""What any document may hold before anybody looks at its meaning: bounded depth, keys, numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from robot.field_path import field_path
+
+DEEPEST = 12
+"""Most levels of mappings and lists in each other (*ours*); a preset has four."""
+LONGEST_KEY = 120
+"""Most characters of a key (*ours*); the longest that means something has 40."""
+
+_LONGEST_BITS = 1024
+_Place = tuple[Any, str] | None
+
+
+class UnfitError(ValueError):
+    """Values that no document may hold; ``path`` says where."""
+
+    def __init__(self, place: _Place, text: str) -> None:
+        """Keep the place, from the top down, and the text."""
+        parts: list[str] = []
+        while place is not None:
+            place, part = place
+            parts.append(part)
+        self.path = field_path(reversed(parts))
+        super().__init__(text)
+
+
+class PlainMapping(dict[str, Any]):
+    """A mapping that ``plain_values`` returned: nobody need look at it again."""
+
+
+def plain_values(document: Any) -> Any:
+    """Return a document with every whole number that no float holds as infinity.
+
+    Everything behind this can walk the values and write them down without a second thought:
+    Python writes no number of more than 4300 digits, and walks no depth of a thousand.
+
+    Args:
+        document: mappings, lists and plain values in each other.
+
+    Raises:
+        UnfitError: for values nested too deep, and for keys that are too long or hold halves of
+            characters.
+    """
+    return _plain(document, None, 0)
+
+
+def _plain(value: Any, place: _Place, depth: int) -> Any:
+    kind = type(value)
+    if kind is float or kind is str or kind is bool:
+        return value
+    if isinstance(value, int):
+        return value if value.bit_length() <= _LONGEST_BITS else math.inf * (1 if value > 0 else -1)
+    if not isinstance(value, Mapping | list | tuple):
+        return value
+    if depth == DEEPEST:
+        raise UnfitError(place, f"nests deeper than {DEEPEST} levels")
+    if not isinstance(value, Mapping):
+        return [_plain(item, (place, str(i)), depth + 1) for i, item in enumerate(value)]
+    return PlainMapping(
+        (key, _plain(item, (place, _checked_key(key, place)), depth + 1))
+        for key, item in value.items()
+    )
+
+
+def _checked_key(key: object, place: _Place) -> str:
+    if not isinstance(key, str):
+        return "?"  # its section refuses it by its own rules
+    if len(key) > LONGEST_KEY:
+        raise UnfitError(place, f"holds a key of {len(key)} characters, at most {LONGEST_KEY}")
+    if not key.isascii() and any("\ud800" <= letter <= "\udfff" for letter in key):
+        raise UnfitError(place, "holds a key with halves of characters")
+    return key

@@ -1,0 +1,77 @@
+"""The page keeps to its own content policy, whatever of it is opened."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Complaints, Dashboard
+
+# Runs in every frame before its own scripts. The violations of a frame of our origin are handed
+# to the page, because a frame may be loaded anew.
+LISTEN = """
+top.violations ??= [];
+addEventListener('securitypolicyviolation', (event) => top.violations.push(
+  `${event.violatedDirective} ${event.blockedURI} in ${location.pathname}`));
+"""
+# Every tab of the view that is shown, long enough for each to be drawn.
+OPEN_ALL = """async () => {
+  for (const tab of document.querySelectorAll('#plots .right-view:not([hidden]) [role=tab]')) {
+    tab.click();
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  }
+}"""
+
+
+def violations(page: Page) -> list[str]:
+    found: list[str] = page.evaluate("top.violations")
+    return found
+
+
+def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Dashboard) -> None:
+    page.add_init_script(LISTEN)
+    with page.expect_console_message(lambda message: message.text.startswith("Connected!")):
+        page.goto(dashboard.url)
+    expect(page.locator("#header")).to_contain_text("live")
+    expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
+    for view in ("Response", "Lenses", "Live"):
+        page.get_by_role("tab", name=view, exact=True).click()
+        drawn = (
+            page.locator("#plots .right-view:visible")
+            .locator("svg, canvas")
+            .locator("visible=true")
+        )
+        expect(drawn.first).to_be_visible()
+        page.evaluate(OPEN_ALL)
+        expect(drawn.first).to_be_visible()
+    with page.expect_download():
+        page.get_by_role("button", name="Export").click()
+    page.keyboard.press("?")
+    expect(page.locator("dialog[open]")).to_contain_text("Keys")
+    page.keyboard.press("Escape")
+    page.keyboard.press("l")
+    expect(page.locator(".lesson-row").first).to_be_visible()
+    assert violations(page) == []
+
+
+def test_the_documentation_page_keeps_to_it_too(page: Page, dashboard: Dashboard) -> None:
+    page.add_init_script(LISTEN)
+    page.goto(f"{dashboard.url}docs")
+    expect(page.locator("#swagger-ui")).to_contain_text("/api/experiment")
+    assert violations(page) == []
+
+
+def test_a_violation_would_be_noticed(
+    page: Page, dashboard: Dashboard, complaints: Complaints
+) -> None:
+    complaints.allow("Content Security Policy")
+    page.add_init_script(LISTEN)
+    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(dashboard.url)
+    page.evaluate(
+        "() => new Promise((done) => {"
+        "addEventListener('securitypolicyviolation', done);"
+        "const script = document.createElement('script'); script.textContent = 'top.ran = 1';"
+        "document.head.append(script); })"
+    )
+    assert "script-src-elem inline" in violations(page)[0]
+    assert page.evaluate("top.ran") is None

@@ -1,0 +1,115 @@
+"""The dashboard under a finger, on a screen as small as a phone's."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, CDPSession, Locator, Page, expect
+
+from tests.browser.conftest import Dashboard, StartDashboard
+
+GAIN = "lanes.RBFNN-NFTSM.c"
+SCROLLED = "() => document.getElementById('tune').scrollTop"
+
+Point = tuple[float, float]
+
+
+@pytest.fixture
+def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[BrowserContext]:
+    """A phone; closed before the dashboards that its pages talk to."""
+    screen: Any = {"width": 390, "height": 844}
+    context = chromium.new_context(viewport=screen, has_touch=True, is_mobile=True)
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def phone(page: Page, dashboard: Dashboard) -> Page:
+    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(dashboard.url)
+    expect(page.locator("#header")).to_contain_text("live")
+    slider(page).scroll_into_view_if_needed()
+    return page
+
+
+def slider(page: Page) -> Locator:
+    return page.locator(f"[data-path='{GAIN}'] .slider").first
+
+
+def gain(dashboard: Dashboard) -> float:
+    lanes = dashboard.client.get("/api/experiment").json()["experiment"]["lanes"]
+    return float(lanes["RBFNN-NFTSM"]["c"])
+
+
+def until_gain(dashboard: Dashboard, least: float, greatest: float) -> None:
+    deadline = time.monotonic() + 15.0
+    while not least < gain(dashboard) < greatest:
+        assert time.monotonic() < deadline, gain(dashboard)
+        time.sleep(0.05)
+
+
+def along(page: Page, share: float, down: float = 0.0) -> Point:
+    """Return a point of the slider's track, or so many pixels below."""
+    box = slider(page).bounding_box()
+    assert box is not None
+    return box["x"] + share * box["width"], box["y"] + box["height"] / 2 + down
+
+
+def swipe(page: Page, start: Point, end: Point) -> None:
+    """Move one finger in a straight line."""
+    finger: CDPSession = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: Point) -> None:
+        places = [{"x": x, "y": y} for x, y in points]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    touch("touchStart", start)
+    for step in range(1, 21):
+        share = step / 20
+        touch(
+            "touchMove",
+            *[(start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1]))],
+        )
+    touch("touchEnd")
+
+
+def test_a_finger_drags_a_slider_and_the_page_stays(phone: Page, dashboard: Dashboard) -> None:
+    before = phone.evaluate(SCROLLED)
+    swipe(phone, along(phone, 0.7), along(phone, 0.3, down=30))
+    # The track has the logarithm of 0.05 to 50 along it.
+    until_gain(dashboard, 0.3, 0.5)
+    assert phone.evaluate(SCROLLED) == before
+    x, y = along(phone, 0.6)
+    phone.touchscreen.tap(x, y)
+    until_gain(dashboard, 2.5, 4.0)
+
+
+def test_a_finger_that_scrolls_over_a_slider_sets_nothing(
+    phone: Page, dashboard: Dashboard
+) -> None:
+    revision = dashboard.client.get("/api/experiment").json()["revision"]
+    before = phone.evaluate(SCROLLED)
+    swipe(phone, along(phone, 0.2), along(phone, 0.2, down=-250))
+    phone.wait_for_function(f"before => ({SCROLLED})() > before + 100", arg=before)
+    box = phone.locator(f"[data-path='{GAIN}'] .number-box").first
+    expect(box).to_have_value("10")
+    # Anything sent before has arrived by now.
+    box.fill("9")
+    box.press("Enter")
+    until_gain(dashboard, 8.9, 9.1)
+    assert dashboard.client.get("/api/experiment").json()["revision"] == revision + 1
+
+
+def test_every_tab_is_under_the_thumb_and_shows_its_part(phone: Page) -> None:
+    for part in ("scene", "plots", "metrics", "tune"):
+        tab = phone.locator(f"#tabs [data-tab={part}]")
+        place = tab.bounding_box()
+        assert place is not None
+        assert min(place["width"], place["height"]) >= 44
+        tab.tap()
+        expect(tab).to_have_attribute("aria-selected", "true")
+        expect(phone.locator(f"#{part}")).to_be_visible()
+        assert phone.evaluate("document.documentElement.scrollWidth") <= 390

@@ -1,0 +1,117 @@
+"""The page of a viewer, beside the owner's, in a real Chromium."""
+
+from __future__ import annotations
+
+import re
+
+import httpx
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Dashboard, StartDashboard
+
+WATCHED = re.compile(r"To watch only: (http://\S+)")
+CHANGES = ("Save", "Import", "Undo", "Redo", "Learn")
+
+
+def viewers_address(dashboard: Dashboard) -> str:
+    found = WATCHED.search(dashboard.log.read_text(encoding="utf-8"))
+    assert found is not None
+    return found[1]
+
+
+def owner(dashboard: Dashboard) -> httpx.Client:
+    """Return a client that speaks as the owner, whose address ends in the token."""
+    address = httpx.URL(dashboard.url)
+    bearer = {"authorization": f"Bearer {address.params['token']}"}
+    return httpx.Client(base_url=address.join("/"), headers=bearer, trust_env=False, timeout=30)
+
+
+def open_as_viewer(page: Page, dashboard: Dashboard, scene: bool = False) -> list[str]:
+    """Open the viewers' address; return what the page sends from then on that isn't a GET."""
+    asked: list[str] = []
+    page.on("request", lambda r: asked.append(r.url) if r.method != "GET" else None)
+    page.on("websocket", lambda s: s.on("framesent", lambda frame: asked.append(str(frame))))
+    if not scene:
+        page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(viewers_address(dashboard))
+    expect(page.locator("#header")).to_contain_text("Watching")
+    expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c'] .slider").first).to_be_visible()
+    return asked
+
+
+def test_a_viewer_sees_it_live_and_can_move_nothing(
+    page: Page, start_dashboard: StartDashboard
+) -> None:
+    dashboard = start_dashboard("--token")
+    asked = open_as_viewer(page, dashboard)
+    assert "token" not in page.url
+    expect(page.locator("#header")).to_contain_text("live")
+    expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
+    for selector in (".gains input", ".sections input", "#transport button", ".scene-bar input"):
+        controls = page.locator(selector)
+        assert controls.count() > 0
+        assert controls.evaluate_all("all => all.every((one) => one.disabled)"), selector
+    for name in CHANGES:
+        expect(page.locator("#header").get_by_role("button", name=name, exact=True)).to_be_hidden()
+    expect(page.locator(".lane-add")).to_be_hidden()
+    expect(page.get_by_role("tab", name="Response")).to_be_hidden()
+    expect(page.locator(".preset-button")).to_be_disabled()
+    assert asked == []
+
+
+def test_a_viewers_keys_and_pastes_change_nothing(
+    page: Page, start_dashboard: StartDashboard
+) -> None:
+    dashboard = start_dashboard("--token")
+    asked = open_as_viewer(page, dashboard)
+    with owner(dashboard) as hand:
+        before = hand.get("/api/session").json()
+    for key in ("Space", "ArrowRight", "Backspace", "k", "l", "Control+z", "Control+y"):
+        page.keyboard.press(key)
+    expect(page.locator(".lesson-row")).to_have_count(0)
+    page.keyboard.press("?")
+    expect(page.locator("dialog[open]")).to_contain_text("Keys")
+    page.keyboard.press("Escape")
+    expect(page.locator("dialog[open]")).to_have_count(0)
+    page.evaluate(
+        "text => { const data = new DataTransfer(); data.setData('text/plain', text);"
+        "document.body.dispatchEvent("
+        "new ClipboardEvent('paste', {clipboardData: data, bubbles: true})); }",
+        "lanes:\n  A:\n    law: nftsm\n",
+    )
+    expect(page.locator("dialog[open]")).to_contain_text("You are watching")
+    with owner(dashboard) as hand:
+        after = hand.get("/api/session").json()
+    assert asked == []
+    assert [after[key] for key in ("playing", "epoch", "revision")] == [
+        before[key] for key in ("playing", "epoch", "revision")
+    ]
+
+
+def test_a_viewer_follows_the_owner_and_looks_at_another_lane(
+    page: Page, start_dashboard: StartDashboard
+) -> None:
+    dashboard = start_dashboard("--token")
+    asked = open_as_viewer(page, dashboard)
+    box = page.locator("[data-path='lanes.RBFNN-NFTSM.c'] .number-box").first
+    change = {"lanes": {"RBFNN-NFTSM": {"c": 12.5}}}
+    hand = owner(dashboard)
+    hand.patch("/api/experiment", json=change).raise_for_status()
+    expect(box).to_have_value("12.5")
+    page.locator(".lane[data-lane='NFTSM'] .lane-pick").click()
+    nu = page.locator("[data-path='lanes.NFTSM.nu'] .number-box").first
+    expect(nu).to_be_visible()
+    expect(nu).to_be_disabled()
+    added = {"lanes": {"Fifth": {"law": "smc"}}}
+    hand.patch("/api/experiment", json=added).raise_for_status()
+    hand.close()
+    expect(page.locator(".lane[data-lane='Fifth']")).to_be_visible()
+    expect(nu).to_be_disabled()
+    assert asked == []
+
+
+def test_the_scene_of_a_viewer_is_drawn(page: Page, start_dashboard: StartDashboard) -> None:
+    dashboard = start_dashboard("--token")
+    with page.expect_console_message(lambda message: message.text.startswith("Connected!")):
+        open_as_viewer(page, dashboard, scene=True)
+    expect(page.frame_locator(".scene-frame").locator("canvas").first).to_be_visible()

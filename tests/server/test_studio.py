@@ -1,0 +1,27 @@
+"""What a running server says of its lanes when a law doesn't play along."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robot.laws import LAWS
+from tests.server.conftest import Served
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_a_law_that_fails_has_no_remarks_and_the_others_have_theirs(
+    mode: str, served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*given: object) -> int:
+        raise ArithmeticError("no torque for this pose")
+
+    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], step=fail, sample=fail))
+    lanes = {"fails": {"law": "smc"}, "torque": {"law": "rbfnn_nftsm", "k1": 300.0}}
+    document = {"lanes": lanes, "simulation": {"mode": mode}, "robot": {"torque_limit": 5.0}}
+    served.http.put("/api/experiment", json=document).raise_for_status()
+    told = served.http.get("/api/metrics").raise_for_status().json()["lanes"]
+    assert (told["fails"]["gamma"], told["fails"]["notes"]) == (None, [])
+    assert told["torque"]["notes"]
+    assert served.http.get("/api/session").json()["playing"]

@@ -1,0 +1,90 @@
+// @ts-check
+/**
+ * Moves the curves of a graph that is drawn already, without the plotting library.
+ *
+ * The library works out everything anew for other points on the same axes, which takes five times
+ * as long. What is drawn here it doesn't know of: hovering and zooming are right again after its
+ * next redraw.
+ */
+
+/** @typedef {import('./plot_redraw.js').Figure['data']} Traces */
+/**
+ * An axis of the library, as it stands on the screen in pixels.
+ * @typedef {{range: [number, number], _length: number}} Axis
+ */
+
+/** Farther out of sight than this in pixels a point only costs digits. */
+const FAR = 1e5;
+
+/**
+ * @param {HTMLElement} graph drawn by the library, with the same traces at other points
+ * @param {Traces} traces on linear axes
+ * @returns {boolean} whether all of them could be moved; if not, none was
+ */
+export function movedCurves(graph, traces) {
+  const {data, _fullLayout: layout} = /** @type {any} */ (graph);
+  /** @type {[Element, any][]} */ const moves = [];
+  for (const [index, trace] of traces.entries()) {
+    if (trace.mode !== 'lines') {
+      if (!samePoints(trace, data[index])) return false;
+      continue;
+    }
+    const lines = graph.querySelectorAll(`.trace${CSS.escape(trace.uid)} .js-line`);
+    // Where a curve was interrupted, or had no points, the library has other paths than one.
+    if (lines.length !== 1) return false;
+    moves.push([lines[0], trace]);
+  }
+  /** @type {Map<ArrayLike<number>, string[]>} */ const across = new Map();
+  for (const [line, {x, y, xaxis, yaxis}] of moves) {
+    const texts = across.get(x) ?? placesAcross(layout[axisName(xaxis)], x);
+    across.set(x, texts);
+    line.setAttribute('d', path(texts, layout[axisName(yaxis)], y));
+  }
+  return true;
+}
+
+/**
+ * @param {any} trace
+ * @param {any} drawn
+ */
+function samePoints(trace, drawn) {
+  return String(trace.x) === String(drawn.x) && String(trace.y) === String(drawn.y);
+}
+
+/** @param {string} id such as `y2` */
+function axisName(id) { return `${id[0]}axis${id.slice(1)}`; }
+
+/**
+ * @param {Axis} axis
+ * @param {ArrayLike<number>} values
+ * @returns {string[]}
+ */
+function placesAcross({range: [from, to], _length: length}, values) {
+  const scale = length / (to - from);
+  return Array.from(values, (value) => String(rounded(scale * (value - from))));
+}
+
+/**
+ * @param {string[]} across
+ * @param {Axis} axis
+ * @param {ArrayLike<number>} values NaN interrupts the line
+ * @returns {string} of an SVG path
+ */
+function path(across, {range: [low, high], _length: length}, values) {
+  const scale = length / (high - low);
+  let text = '';
+  let pen = 'M';
+  for (let index = 0; index < across.length; index += 1) {
+    const place = scale * (high - values[index]);
+    if (Number.isNaN(place)) {
+      pen = 'M';
+    } else {
+      text += `${pen}${across[index]},${rounded(Math.min(FAR, Math.max(-FAR, place)))}`;
+      pen = 'L';
+    }
+  }
+  return text || 'M0,0';
+}
+
+/** @param {number} pixels */
+function rounded(pixels) { return Math.round(100 * pixels) / 100; }
