@@ -16,7 +16,7 @@ LOCK_VENV = build/lock
 NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
 
 .DEFAULT_GOAL = help
-.PHONY: help run install test check format bench soak faults fuzz peers lock clean always libgomp
+.PHONY: help run install test coverage check format bench soak faults fuzz peers lock clean always libgomp
 
 help:  ## Show this list
 	@echo 'make run      then open the address that it prints'
@@ -35,6 +35,10 @@ install: $(INSTALLED)  ## Set up .venv with everything that run, test and check 
 test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
 	$(VENV_PYTHON) -m pytest $(ARGS)
+
+coverage: $(INSTALLED)  ## Run the tests, tell which lines and branches none reaches
+	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
+	$(VENV_PYTHON) -m pytest --cov --cov-report=term-missing:skip-covered $(ARGS)
 
 check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
 	$(VENV_PYTHON) -m ruff check .
