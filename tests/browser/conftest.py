@@ -1,18 +1,21 @@
 """A dashboard in its own process, and a page in a real Chromium that tolerates no complaint.
 
-A fresh dashboard for every test, one Chromium for every module (Playwright's event loop may not
-outlive it: other modules run their own), a fresh profile for every page.
+One dashboard for every module, put back to its beginning for each test; one Chromium for every
+module (Playwright's event loop may not outlive it: other modules run their own); a fresh profile
+for every page. Its list of edits is what a dashboard doesn't forget: a test that wants none starts
+one of its own with `start_dashboard`.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +23,7 @@ from pathlib import Path
 import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Request, expect, sync_playwright
+from websockets.sync.client import connect
 
 from tests.browser.chromium import FLAGS, VARIABLE, find
 
@@ -27,6 +31,9 @@ ROOT = Path(__file__).resolve().parents[2]
 START_TIME = 240
 """Longest that a dashboard may take to start in seconds: the first one compiles every kernel."""
 ADDRESS = re.compile(r"http://\S+")
+SELECT = {"type": "select", "lane": "RBFNN-NFTSM"}
+VIEW = {"type": "view", "exaggeration": 1, "ghosts": True}
+"""What a new dashboard shows."""
 LOGS = pytest.StashKey[list[Path]]()
 FAILED = pytest.StashKey[bool]()
 
@@ -95,7 +102,9 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 
 @contextmanager
-def running(arguments: tuple[str, ...], log: Path) -> Iterator[Dashboard]:
+def running(
+    arguments: tuple[str, ...], log: Path, environment: Mapping[str, str] | None = None
+) -> Iterator[Dashboard]:
     """Run a dashboard on a free port; ends it at the end, however it stands."""
     command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0", *arguments]
     with log.open("wb") as output:
@@ -105,7 +114,7 @@ def running(arguments: tuple[str, ...], log: Path) -> Iterator[Dashboard]:
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,
-            env={**os.environ, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1"},
+            env={**os.environ, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1", **(environment or {})},
             # Its own process group, so that its workers end with it in any case.
             start_new_session=True,
         )
@@ -132,10 +141,31 @@ def start_dashboard(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[
         yield start
 
 
+@pytest.fixture(scope="module")
+def module_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
+    """A dashboard for all tests of a module; `dashboard` puts it back to its beginning."""
+    folder = tmp_path_factory.mktemp("dashboard")
+    environment = {"SLIDETUNE_PRESETS": str(folder / "presets")}
+    with running((), folder / "dashboard.txt", environment) as dashboard:
+        yield dashboard
+
+
 @pytest.fixture
-def dashboard(start_dashboard: StartDashboard) -> Dashboard:
-    """A fresh dashboard with the paper's experiment, which plays."""
-    return start_dashboard()
+def dashboard(module_dashboard: Dashboard, request: pytest.FixtureRequest) -> Dashboard:
+    """A dashboard as it begins: with the paper's experiment, which plays, and no own presets."""
+    request.node.stash.setdefault(LOGS, []).append(module_dashboard.log)
+    client = module_dashboard.client
+    for preset in client.get("/api/presets").json()["presets"]:
+        if not preset["shipped"]:
+            client.delete(f"/api/presets/{preset['name']}").raise_for_status()
+    client.post("/api/presets/paper/load").raise_for_status()
+    client.patch("/api/session", json={"speed": 1.0}).raise_for_status()
+    client.post("/api/session/play").raise_for_status()
+    address = f"{module_dashboard.url.replace('http', 'ws', 1)}api/live"
+    with connect(address, proxy=None, max_size=None) as socket:
+        for message in (SELECT, VIEW):
+            socket.send(json.dumps(message))
+    return module_dashboard
 
 
 @pytest.fixture(scope="module")

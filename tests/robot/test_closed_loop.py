@@ -117,9 +117,10 @@ def test_rows_go_round_a_short_record(mode: str) -> None:
 
 
 def test_a_lane_freezes_alike_once_its_rows_have_gone_round() -> None:
-    document = {"lanes": {"A": FALLING}, "disturbance": {"constant": -50}}
+    document = {"lanes": {"A": FALLING}, "disturbance": {"constant": [0, 0, 0, 0, 0, -2]}}
     long, short = (loop_of(document, 300, rows).lanes["A"] for rows in (512, 16))
     assert long.freeze is not None
+    assert 0.016 < long.freeze.time < 0.284
     assert long.freeze == short.freeze
     rows = [number % 16 for number in range(284, 300)]
     np.testing.assert_array_equal(short.record[rows], long.record[284:300])

@@ -23,7 +23,8 @@ from robot.stability import sampling_margin
 from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.wiring import law_arrays
-from robot.workspace import FLAGS, GAIN, REACH, TAU, S
+from robot.workspace import FLAGS, GAIN, REACH, S_E, S_V, SHAPE, TAU, WORK_ROWS, Q, S, V
+from tests.robot.wired import arm_of, wired
 
 Array = np.ndarray
 COLUMNS = ("q", "v", "tau", "S", "f", "weights")
@@ -162,6 +163,39 @@ def test_published_width_hides_what_the_network_looks_at(law: str) -> None:
     for source in ("angle", "desired"):
         other = run(gains_of(law, width=10.0, network_input=source))
         assert np.abs(wide.q - other.q).max() < 1e-3
+
+
+def evaluated(lane: dict[str, Any], q: Array, v: Array) -> Array:
+    """Return the workspace as a law leaves it at a state of an arm of our choice."""
+    root = np.random.default_rng(8).normal(size=(JOINTS, JOINTS))
+    arm = arm_of(root @ root.T + np.eye(JOINTS), np.ones(JOINTS))
+    work = np.zeros((WORK_ROWS, JOINTS))
+    work[Q], work[V] = q, v
+    gains = LAWS[lane["law"]].lane.model_validate(lane).pack()
+    assert LAWS[lane["law"]].sample(0.0, 0, 0, wired(work, arm=arm, gains=gains)) == 0
+    return work
+
+
+@pytest.mark.parametrize("law", [*LAWS, "shaped"])
+def test_a_law_hands_the_implicit_step_the_slopes_of_its_feedback(law: str) -> None:
+    # Any other ones keep the order of the scheme, and lose what it is for: stiff gains.
+    lane = gains_of("nftsm", inertia_shaped=True) if law == "shaped" else gains_of(law)
+    lane |= {"mu": 0.0} if "mu" in lane else {}
+    silent = {**lane, "k1": 0.0, "k2": 0.0} if "k1" in lane else None
+    q, v = np.random.default_rng(9).normal(size=(2, JOINTS)) / 5.0
+
+    def feedback(q: Array, v: Array) -> Array:
+        torque = evaluated(lane, q, v)[TAU]
+        return torque if silent is None else torque - evaluated(silent, q, v)[TAU]
+
+    work = evaluated(lane, q, v)
+    share = work[SHAPE : SHAPE + JOINTS] if work[FLAGS, 0] else np.eye(JOINTS)
+    for joint, ahead in enumerate(1e-6 * np.eye(JOINTS)):
+        over_q = (feedback(q + ahead, v) - feedback(q - ahead, v)) / 2e-6
+        over_v = (feedback(q, v + ahead) - feedback(q, v - ahead)) / 2e-6
+        column = share[:, joint] * work[GAIN, joint]
+        np.testing.assert_allclose(over_q, -column * work[S_E, joint], rtol=1e-5, atol=1e-5)
+        np.testing.assert_allclose(over_v, -column * work[S_V, joint], rtol=1e-5, atol=1e-5)
 
 
 def test_alpha_is_ignored_by_the_other_reaching_laws() -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from robot.quantity import JOINTS
 from robot.surface import LinearSurface, NftsmSurface, linear_surface, nftsm_surface
@@ -90,11 +89,3 @@ def test_terminal_term_vanishes_with_mu() -> None:
     linear = surface(LinearSurface(lambda_=5), linear_surface, e, de)
     for found, expected in zip(surface(gains, nftsm_surface, e, de), linear, strict=True):
         np.testing.assert_allclose(found, expected, rtol=1e-14)
-
-
-@pytest.mark.parametrize(("p", "k"), [(3, 3), (3, 5), (1, 99), (7, 3), (99, 1), ([5] * 5 + [3], 3)])
-def test_exponents_that_would_make_the_surface_singular_are_refused(
-    p: float | list[float], k: float
-) -> None:
-    with pytest.raises(ValidationError, match="between 1 and 2"):
-        NftsmSurface(p=p, k=k)
