@@ -14,8 +14,6 @@ WINDOW = 1.0
 """Wall time over which the real-time factor is measured in [s] (*ours*)."""
 LONGEST = 0.25
 """Most wall time that is caught up after a shortage in [s]; a suspended process isn't (*ours*)."""
-
-
 STALL = 1.0
 """Wall time without a tick in [s] from which people are told of it (*ours*)."""
 

@@ -149,6 +149,8 @@ class EditPanel {
     this.#alert.textContent = '';
     try {
       await this.#history.travelTo(`way back to edit ${number}`, () => this.#api.restoreEdit(number));
+      // The news of it may have been drawn before the answer said whose it is.
+      await this.#refresh();
     } catch (error) {
       this.#alert.textContent = /** @type {Error} */ (error).message;
     }

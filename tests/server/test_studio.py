@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from robot.laws import LAWS
 from tests.server.conftest import Served
+
+
+def until_metrics_of(served: Served, lane: str) -> dict[str, Any]:
+    """Return the figures of all lanes once the session has taken a new one."""
+    end = time.monotonic() + 30.0
+    while True:
+        told: dict[str, Any] = served.http.get("/api/metrics").raise_for_status().json()["lanes"]
+        if lane in told:
+            return told
+        assert time.monotonic() < end, f"no figures of {lane}"
+        time.sleep(0.02)
 
 
 @pytest.mark.parametrize("mode", ["continuous", "sampled"])
@@ -21,7 +34,7 @@ def test_a_law_that_fails_has_no_remarks_and_the_others_have_theirs(
     lanes = {"fails": {"law": "smc"}, "torque": {"law": "rbfnn_nftsm", "k1": 300.0}}
     document = {"lanes": lanes, "simulation": {"mode": mode}, "robot": {"torque_limit": 5.0}}
     served.http.put("/api/experiment", json=document).raise_for_status()
-    told = served.http.get("/api/metrics").raise_for_status().json()["lanes"]
+    told = until_metrics_of(served, "fails")
     assert (told["fails"]["gamma"], told["fails"]["notes"]) == (None, [])
     assert told["torque"]["notes"]
     assert served.http.get("/api/session").json()["playing"]
