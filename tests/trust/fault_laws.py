@@ -11,6 +11,7 @@ from tests.trust.fault_server import served
 
 CALM = {"k1": 5.0, "k2": 1.0}
 RUNNING = {"running"}
+LANES = {"bad", "good", "other"}
 
 
 def _document(mode: str, bad: Message) -> Message:
@@ -50,6 +51,7 @@ def _one_mode(live: Follower, http: Any, promises: Promises, mode: str) -> list[
     """Let both laws fail in one mode, and mend them by an edit and a reset."""
     http.put("/api/experiment", json=_document(mode, {"law": "smc", **CALM})).raise_for_status()
     http.post("/api/session/play").raise_for_status()
+    live.wait(lambda: set(live.state["lanes"]) == LANES, "the new lanes")
     times = [_frozen(live, promises, MESSAGE, 60.0)]
     live.send({"type": "patch", "patch": {"lanes": {"bad": {"law": "computed_torque"}}}, "id": 1})
     live.send({"type": "reset"})
