@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tests.trust.census import Census, left_behind
+from tests.trust.census import POOLED, Census, left_behind
 from tests.trust.day import Day
 from tests.trust.growth import Growth, growth
 from tests.trust.report import table
@@ -109,5 +109,6 @@ def _growth_text(grown: dict[str, Growth], counts: int) -> str:
     return (
         f"{table(headings, rows)}\n\nFrom {counts} counts after the warm-up (promise: growth below "
         f"{MEMORY:g} MB; the slope is the median of those between all pairs of counts). Promise "
-        "for all else in the table above: no more after than before."
+        "for all else in the table above: no more after than before, but for the threads that a "
+        f"pool of {POOLED} keeps once it has needed them."
     )
