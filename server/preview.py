@@ -58,6 +58,7 @@ class Previews:
         self._workers = workers
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._known: OrderedDict[str, Response] = OrderedDict()
+        self._ahead: asyncio.Task[Any] | None = None
 
     async def respond(
         self, experiment: Experiment, quick: bool, client: str
@@ -76,6 +77,8 @@ class Previews:
             WorkerLostError: if a worker process was killed.
             InvalidExperimentError: if the arm can't follow the trajectory.
         """
+        if self._ahead is not None:
+            self._ahead.cancel()
         older = self._running.pop(client, None) if client else None
         if older is not None:
             older.cancel()
@@ -84,7 +87,10 @@ class Previews:
         if client:
             self._running[client] = task
         try:
-            return await task
+            responses = await task
+            if client and not quick:
+                self._look_ahead(experiment)
+            return responses
         except asyncio.CancelledError:
             if task.cancelled() and not _being_cancelled():
                 return None
@@ -93,6 +99,12 @@ class Previews:
         finally:
             if self._running.get(client) is task:
                 del self._running[client]
+
+    def _look_ahead(self, experiment: Experiment) -> None:
+        """Run a drag's coarser steps before it begins: then it has to run what it changes alone."""
+        self._ahead = asyncio.ensure_future(self._all_lanes(quickened(experiment)))
+        # Nobody waits for it: what becomes of it is no news.
+        self._ahead.add_done_callback(lambda task: task.cancelled() or task.exception())
 
     async def _all_lanes(self, experiment: Experiment) -> dict[str, Response]:
         tasks = [asyncio.ensure_future(self._lane(experiment, name)) for name in experiment.lanes]

@@ -24,7 +24,7 @@ from robot.study.knob import knob, knobs
 from robot.study.plan import EPSILONS, sensitivity, strip, switching_comparison
 from robot.study.variant import METRICS, figures
 from robot.switching import SWITCHINGS
-from tests.server.conftest import Served
+from tests.server.conftest import LANES, Served
 
 Array = np.ndarray
 Body = dict[str, Any]
@@ -288,6 +288,17 @@ def test_a_killed_worker_costs_at_most_the_answer_it_owed(
 
 
 # Studies
+
+
+def test_a_drag_s_coarser_runs_are_made_before_it_begins(served: Served) -> None:
+    known = served.studio.previews._known
+    known.clear()
+    preview(served, patch=SHORT, client="hand")
+    end = time.monotonic() + WAIT
+    # Each lane with the step of the experiment, and with that of a drag.
+    while len(known) < 2 * len(LANES):
+        assert time.monotonic() < end, f"{len(known)} responses are known"
+        time.sleep(0.02)
 
 
 def test_a_strip_tries_a_knob_along_its_track(served: Served) -> None:
