@@ -137,8 +137,8 @@ class Workers:
                 try:
                     return await asyncio.wrap_future(self._submit(task))
                 except BrokenProcessPool:
-                    if self._begun[slot] == ticket:
-                        break  # it may be this very task that ends its process
+                    if self._begun[slot] == ticket or self._pool is None:
+                        break  # it may be this very task that ends its process; or all is over
             raise WorkerLostError("a worker process was lost: ask again")
         finally:
             self._flags[slot] = 0
