@@ -5,13 +5,13 @@ F is the torque that the joints lose to the world (Liu et al. 2025, Eq. 1).
 
 from __future__ import annotations
 
-from math import cos, cosh, floor, log, pi, sin, sqrt, tanh
+from math import cos, floor, log, pi, sin, sqrt, tanh
 
 import numpy as np
 
 from robot.compiled import kernel
 from robot.quantity import JOINTS, Integer, Number, PerJoint, Section, field
-from robot.workspace import F_SLOPE, MEASURED_Q, MEASURED_V, PUSH, F, Q, V
+from robot.workspace import DISTURBANCE, F_SLOPE, MEASURED_Q, MEASURED_V, PUSH, F, Q, V
 
 Array = np.ndarray
 
@@ -26,6 +26,9 @@ TONE_PHASE = TONE_OMEGA + TONES
 WORLD_ROWS = TONE_PHASE + TONES
 # Columns of the row COMMON.
 OMEGA, PHASE, START, DURATION, PERIOD, BITS = range(6)
+# Bits of the column BITS: which parts of the world there are.
+SWINGS, PULSES, NOISES, RUBS, LIMITS = 1, 2, 4, 8, 16
+KINKS = RUBS | LIMITS
 # Sensor noise stands in a row of its own, after the tones.
 SENSOR = WORLD_ROWS
 SENSOR_Q, SENSOR_V, SEED = range(3)
@@ -212,9 +215,19 @@ def pack_world(
     world[PULSE], world[NOISE] = disturbance.pulse.amplitude, disturbance.noise.amplitude
     pulse, sine = disturbance.pulse, disturbance.sine
     common = [2.0 * pi * sine.frequency, sine.phase, pulse.start, pulse.duration, pulse.period]
-    active = [bool(np.any(world[row])) for row in (SINE, PULSE, NOISE, COULOMB)]
-    world[COMMON, :6] = [*common, float(sum(2**bit for bit, on in enumerate(active) if on))]
-    if active[2]:
+    bits = sum(
+        bit
+        for bit, active in (
+            (SWINGS, np.any(world[SINE])),
+            (PULSES, np.any(world[PULSE])),
+            (NOISES, np.any(world[NOISE])),
+            (RUBS, np.any(world[COULOMB])),
+            (LIMITS, np.any(np.isfinite(world[LIMIT]))),
+        )
+        if active
+    )
+    world[COMMON, :6] = [*common, float(bits)]
+    if bits & NOISES:
         _pack_tones(disturbance, world)
     noise = disturbance.sensor_noise
     world[SENSOR, :3] = noise.position, noise.velocity, disturbance.seed
@@ -230,42 +243,97 @@ def _pack_tones(disturbance: Disturbance, world: Array) -> None:
 
 
 @kernel
-def external_torque(t, base, world, work):  # type: ignore[no-untyped-def]
-    r"""Torque lost to the world and its slope over velocity.
+def _on_time(since, world):  # type: ignore[no-untyped-def]
+    """Return how long in [s] the pulse has been on, ``since`` [s] after its first start."""
+    duration, period = world[COMMON, DURATION], world[COMMON, PERIOD]
+    if since <= 0.0:
+        return 0.0
+    if period == 0.0:
+        return min(since, duration)
+    count = floor(since / period)
+    return count * min(duration, period) + min(since - count * period, duration)
 
-    .. math:: F = F_0 + \tilde F \sin(\omega t + \alpha) + \hat F(t) + \bar F(t)
-        + d\,v + f_C \tanh(v / v_C) - \tau_{push}
+
+@kernel
+def _pulse_mean(t, width, world):  # type: ignore[no-untyped-def]
+    """Return the share of ``[t, t + width]`` in which the pulse is on; at ``t`` for width 0."""
+    since = t - world[COMMON, START]
+    if width > 0.0:
+        return (_on_time(since + width, world) - _on_time(since, world)) / width
+    if world[COMMON, PERIOD] > 0.0 and since > 0.0:
+        since -= world[COMMON, PERIOD] * floor(since / world[COMMON, PERIOD])
+    return 1.0 if 0.0 <= since < world[COMMON, DURATION] else 0.0
+
+
+@kernel
+def _damped(x):  # type: ignore[no-untyped-def]
+    """Return sin(x)/x: the mean of a sine over 2x of its angle, over its value in the middle."""
+    return 1.0 - x * x / 6.0 if abs(x) < 1e-4 else sin(x) / x
+
+
+@kernel
+def disturbance_torque(t, width, world, work):  # type: ignore[no-untyped-def]
+    r"""Mean of the disturbance over a step, written to DISTURBANCE [N m].
+
+    .. math:: \frac{1}{w} \int_t^{t+w} F_0 + \tilde F \sin(\omega s + \alpha) + \hat F(s)
+        + \bar F(s)\,ds - \tau_{push}
+
+    The mean is exact, so that a pulse or a swing gives its whole impulse, whatever the step.
 
     Args:
         t: time in [s].
-        base: first row of the state whose velocity counts.
+        width: length of the step in [s]; 0 asks for the torque at ``t``.
         world: what ``pack_world`` returned.
-        work: workspace; writes F [N m] and F_SLOPE [N m s/rad].
+        work: workspace.
     """
-    bits = int(world[COMMON, BITS])
+    bits, middle = int(world[COMMON, BITS]), t + 0.5 * width
     wave, pulse = 0.0, 0.0
-    if bits & 1:
-        wave = sin(world[COMMON, OMEGA] * t + world[COMMON, PHASE])
-    if bits & 2:
-        since, period = t - world[COMMON, START], world[COMMON, PERIOD]
-        if period > 0.0 and since > 0.0:
-            since -= period * floor(since / period)
-        pulse = 1.0 if 0.0 <= since < world[COMMON, DURATION] else 0.0
+    if bits & SWINGS:
+        omega = world[COMMON, OMEGA]
+        wave = sin(omega * middle + world[COMMON, PHASE]) * _damped(0.5 * omega * width)
+    if bits & PULSES:
+        pulse = _pulse_mean(t, width, world)
     for j in range(JOINTS):
-        v = work[base + V, j]
         torque = world[CONSTANT, j] + wave * world[SINE, j] + pulse * world[PULSE, j]
-        if bits & 4 and world[NOISE, j] != 0.0:
+        if bits & NOISES and world[NOISE, j] != 0.0:
             total = 0.0
             for n in range(TONES):
-                total += cos(world[TONE_OMEGA + n, j] * t + world[TONE_PHASE + n, j])
+                omega = world[TONE_OMEGA + n, j]
+                tone = cos(omega * middle + world[TONE_PHASE + n, j])
+                total += tone * _damped(0.5 * omega * width)
             torque += world[NOISE, j] * sqrt(2.0 / TONES) * total
-        slope = world[VISCOUS, j]
-        torque += slope * v
-        if bits & 8:
-            torque += world[COULOMB, j] * tanh(v / COULOMB_WIDTH)
-            ratio = min(abs(v) / COULOMB_WIDTH, 300.0)
-            slope += world[COULOMB, j] / (COULOMB_WIDTH * cosh(ratio) ** 2)
-        work[F, j] = torque - work[PUSH, j]
+        work[DISTURBANCE, j] = torque - work[PUSH, j]
+
+
+@kernel
+def changes_within_a_step(world):  # type: ignore[no-untyped-def]
+    """Tell whether the mean of the disturbance depends on the length of the step."""
+    return int(world[COMMON, BITS]) & (SWINGS | PULSES | NOISES) != 0
+
+
+@kernel
+def external_torque(t, width, base, world, work):  # type: ignore[no-untyped-def]
+    r"""Torque lost to the world and its slope over velocity.
+
+    .. math:: F = \text{DISTURBANCE} + d\,v + f_C \tanh(v / v_C)
+
+    Args:
+        t: time in [s].
+        width: length of the step over which the disturbance counts in [s]; 0 for ``t`` alone.
+        base: first row of the state whose velocity counts.
+        world: what ``pack_world`` returned.
+        work: workspace; writes DISTURBANCE [N m], F [N m] and F_SLOPE [N m s/rad].
+    """
+    disturbance_torque(t, width, world, work)
+    rubs = int(world[COMMON, BITS]) & RUBS != 0
+    for j in range(JOINTS):
+        v, slope = work[base + V, j], world[VISCOUS, j]
+        torque = work[DISTURBANCE, j] + slope * v
+        if rubs and world[COULOMB, j] != 0.0:
+            rubbing = tanh(v / COULOMB_WIDTH)
+            torque += world[COULOMB, j] * rubbing
+            slope += world[COULOMB, j] * (1.0 - rubbing * rubbing) / COULOMB_WIDTH
+        work[F, j] = torque
         work[F_SLOPE, j] = slope
 
 

@@ -12,7 +12,6 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from robot.disturbance import Disturbance
 from robot.errors import InvalidExperimentError
-from robot.field_path import field_path
 from robot.laws import LAWS
 from robot.merge_patch import merge_patch
 from robot.quantity import Integer, Number, PerJoint, PerJointOrOff, Point, Section, field, refusal
@@ -265,19 +264,6 @@ class Experiment(Section):
     trajectory: Trajectory = SineTrajectory()
     disturbance: Disturbance = Disturbance()
     simulation: Simulation = Simulation()
-
-    @model_validator(mode="after")
-    def _switching_has_a_slope(self) -> Experiment:
-        if self.simulation.mode == "sampled":
-            return self
-        for name, lane in self.lanes.items():
-            if getattr(lane, "switching", "") == "sign":
-                text = (
-                    "sign(S) has no slope, so that continuous mode can't integrate it: choose tanh "
-                    "or saturation, or set simulation.mode to sampled"
-                )
-                raise refusal(field_path(("lanes", name, "switching")), "sign", text)
-        return self
 
     def __hash__(self) -> int:
         """Agree with ``==``, which takes no notice of the lanes' order."""

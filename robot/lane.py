@@ -13,7 +13,7 @@ from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.stability import margin_limit, sampling_margin, sufficient_rate
-from robot.steps import Step, bind_step, torques_on_the_way
+from robot.steps import Cutting, Step, bind_step, torques_on_the_way
 from robot.trajectory import reference
 from robot.workspace import PUSH, QD, RECORD, RECORD_COLUMNS, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
 
@@ -54,10 +54,20 @@ class Lane:
         step: the bound step; see ``robot.steps.Step``.
     """
 
-    def __init__(self, name: str, packed: Packed, record: Array) -> None:
-        """Stand at the beginning of the trajectory with empty weights."""
+    def __init__(
+        self, name: str, packed: Packed, record: Array, cutting: Cutting | None = None
+    ) -> None:
+        """Stand at the beginning of the trajectory with empty weights.
+
+        Args:
+            name: its name in the experiment.
+            packed: the experiment as numbers.
+            record: rows to write. Shape (n, 48).
+            cutting: how far its steps may be cut; by default as far as in a live session.
+        """
         self.name = name
         self.record = record
+        self.cutting = cutting or Cutting()
         self.work = np.zeros((WORK_ROWS, JOINTS))
         self.freeze: Freeze | None = None
         self.commands: Array | None = None
@@ -80,7 +90,8 @@ class Lane:
         law = LAWS[packed.experiment.lanes[self.name].law]
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         gains = packed.gains[self.name]
-        self.step: Step = bind_step(law, packed, gains, self.work, self.record, self.commands)
+        arrays = (gains, self.work, self.record, self.commands)
+        self.step: Step = bind_step(law, packed, *arrays, self.cutting)
 
     def continue_from(self, other: Lane, packed: Packed) -> None:
         """Take over another lane's state, torques on their way, past rows and freeze."""

@@ -190,6 +190,12 @@ def field(
     return Field(default, title=title, description=meaning, json_schema_extra=kept)
 
 
+def bounds(section: type[BaseModel], name: str) -> tuple[float, float]:
+    """Return the least and the greatest value that a numeric field permits."""
+    extra: Any = section.model_fields[name].json_schema_extra
+    return float(extra["minimum"]), float(extra["maximum"])
+
+
 def allowed_text(extra: dict[str, Any]) -> str:
     """Say in words what a field permits, from its schema record."""
     unit = f" {extra['unit']}" if extra.get("unit") else ""

@@ -7,15 +7,30 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot.accuracy import LOOSER, Accuracy, difference, judge, second_run
 from robot.arm import flange_positions
 from robot.compiled import kernel
 from robot.experiment import Experiment
+from robot.implicit_step import MAX_VELOCITY
 from robot.lane import Freeze, Lane
 from robot.metrics import Metrics, measure_lane
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
+from robot.steps import Cutting
 from robot.trajectory import reference
-from robot.workspace import NODES, QD, RECORD, RECORD_COLUMNS, VD, WORK_ROWS, W
+from robot.workspace import (
+    CAPPED,
+    LEFT,
+    NODES,
+    QD,
+    RECORD,
+    RECORD_COLUMNS,
+    TALLY,
+    UNSOLVED,
+    VD,
+    WORK_ROWS,
+    W,
+)
 
 Array = np.ndarray
 
@@ -43,6 +58,7 @@ class LaneRun:
         flange_desired: desired ones in [m]. Shape (n, 3).
         layer: boundary layers in [rad/s]. Shape (6,).
         freeze: why it stopped, or ``None``.
+        accuracy: how good all of this is.
     """
 
     q: Array
@@ -59,6 +75,7 @@ class LaneRun:
     layer: Array
     freeze: Freeze | None
     time: Array = field(repr=False)
+    accuracy: Accuracy = field(default_factory=Accuracy)
 
     @property
     def metrics(self) -> Metrics:
@@ -114,10 +131,13 @@ def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
     return q_d, v_d
 
 
-def _run_lane(lane: Lane, packed: Packed, time: Array, pause: Callable[[float], None]) -> None:
+def _run_lane(name: str, packed: Packed, tolerance: float, pause: Callable[[float], None]) -> Lane:
     """Step one lane through all rows, or until it leaves its bounds."""
-    step, rows = lane.step, len(time)
-    instants = time.tolist()
+    simulation = packed.experiment.simulation
+    rows = round(simulation.horizon / simulation.row_period) + 1
+    cutting = Cutting.of_whole_run(rows, tolerance)
+    lane = Lane(name, packed, np.zeros((rows, RECORD_COLUMNS)), cutting)
+    step, instants = lane.step, (np.arange(rows) * simulation.row_period).tolist()
     for begin in range(0, rows, _CHUNK):
         pause(begin / rows)
         for row in range(begin, min(begin + _CHUNK, rows)):
@@ -130,10 +150,30 @@ def _run_lane(lane: Lane, packed: Packed, time: Array, pause: Callable[[float], 
                     continue
                 lane.stop(packed, instants[row], joint, row)
             lane.record[row + 1 :] = np.nan
-            return
+            return lane
+    return lane
 
 
-def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array) -> LaneRun:
+def _accuracy(
+    lane: Lane, packed: Packed, other: Packed | None, pause: Callable[[float], None]
+) -> Accuracy:
+    """Judge a lane that has run, by a run of ``other`` where there is one."""
+    unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
+    error = None
+    if other is not None:
+        _, stride, share = second_run(packed.experiment)
+        second = _run_lane(lane.name, other, LOOSER, pause)
+        rows = lane.record[::stride, :JOINTS]
+        common = min(len(rows), len(second.record))
+        error = share * difference(rows[:common], second.record[:common, :JOINTS])
+        if (lane.freeze is None) != (second.freeze is None):
+            # One left its bounds and the other did not: by then neither is to be trusted.
+            error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
+        error = float(error + left * packed.experiment.simulation.row_period)
+    return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
+
+
+def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array, good: Accuracy) -> LaneRun:
     record = lane.record
     columns = {name: record[:, JOINTS * i : JOINTS * (i + 1)] for i, name in enumerate(RECORD)}
     # In place: a whole run writes a lot of memory, and fresh pages cost more than the numbers.
@@ -151,6 +191,7 @@ def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array) -> LaneRu
         layer=np.broadcast_to(np.asarray(layer, dtype=float), JOINTS),
         freeze=lane.freeze,
         time=time,
+        accuracy=good,
     )
 
 
@@ -158,6 +199,7 @@ def simulate(
     experiment: Experiment,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    estimate: bool = True,
 ) -> Run:
     """Run an experiment over its horizon: no clock, no thread.
 
@@ -165,6 +207,7 @@ def simulate(
         experiment: what to run.
         progress: called with the share done, 0 to 1, now and then.
         cancelled: asked now and then; the run stops when it says yes.
+        estimate: whether each lane's error is estimated, which takes half as much again.
 
     Returns:
         All columns at every step, both ends included.
@@ -173,24 +216,30 @@ def simulate(
         InvalidExperimentError: if the arm can't follow the trajectory.
         CancelledError: if ``cancelled`` said yes.
     """
-    packed = pack(experiment)
+    packed, other = pack(experiment), None
+    if estimate:
+        other = pack(second_run(experiment)[0])
     simulation = experiment.simulation
     rows = round(simulation.horizon / simulation.row_period) + 1
     time = np.arange(rows) * simulation.row_period
     q_d, v_d = desired_motion(packed, time)
     desired = flange_positions(q_d)
     lanes: dict[str, LaneRun] = {}
-    for index, name in enumerate(experiment.lanes):
+    passes = (2 if estimate else 1) * len(experiment.lanes)
+    made = 0
 
-        def pause(share: float, index: int = index) -> None:
-            if cancelled is not None and cancelled():
-                raise CancelledError
-            if progress is not None:
-                progress((index + share) / len(experiment.lanes))
+    def pause(share: float) -> None:
+        if cancelled is not None and cancelled():
+            raise CancelledError
+        if progress is not None:
+            progress((made + share) / passes)
 
-        lane = Lane(name, packed, np.zeros((rows, RECORD_COLUMNS)))
-        _run_lane(lane, packed, time, pause)
-        lanes[name] = _lane_run(lane, packed, time, desired)
+    for name in experiment.lanes:
+        lane = _run_lane(name, packed, 1.0, pause)
+        made += 1
+        good = _accuracy(lane, packed, other, pause)
+        made += 1 if estimate else 0
+        lanes[name] = _lane_run(lane, packed, time, desired, good)
     if progress is not None:
         progress(1.0)
     return Run(experiment, time, q_d, v_d, lanes)

@@ -6,30 +6,52 @@ mode for one ``observe`` and ``command`` a control period and several ``plant_st
 
 from __future__ import annotations
 
+from math import inf
+
 from robot.compiled import kernel
-from robot.disturbance import LIMIT, external_torque, measure
-from robot.implicit_step import accept, implicit_step, solve, within_bounds
+from robot.disturbance import (
+    LIMIT,
+    changes_within_a_step,
+    disturbance_torque,
+    external_torque,
+    measure,
+)
+from robot.implicit_step import (
+    REFUSED,
+    TOLERANCE_V,
+    accept,
+    arm_step,
+    implicit_step,
+    step_error,
+    unsolved,
+    within_bounds,
+)
 from robot.quantity import JOINTS
 from robot.trajectory import reference
 from robot.wiring import loop_arrays, settings
 from robot.workspace import (
-    APPLIED,
     CURRENT,
-    F_SLOPE,
+    DISTURBANCE,
+    DISTURBANCE_HALF,
+    ERRORS,
+    FLAGS,
     FULL,
     HALF,
+    HELD,
+    HELD_TORQUE,
     HIDDEN,
     LEAKAGE,
     LEARNING,
-    MATRIX,
     MEASURED_Q,
     MEASURED_V,
     NETWORK,
     NODES,
+    PASSED,
     QD,
-    RIGHT,
+    SLIDING,
     TAU,
     VD,
+    WRONG,
     F,
     Q,
     S,
@@ -43,11 +65,15 @@ PLAIN, FIRST, SECOND = 0, 1, 2
 @kernel
 def begin(t, wiring):  # type: ignore[no-untyped-def]
     """Evaluate the desired motion and the world at the state of a stage; return its first row."""
-    stage, _ = settings(wiring)
+    stage, h, _ = settings(wiring)
     _, _, world, trajectory, work, _ = loop_arrays(wiring)
     base = HALF if stage == SECOND else CURRENT
     reference(t, trajectory, work)
-    external_torque(t, base, world, work)
+    if stage == FIRST and changes_within_a_step(world):
+        disturbance_torque(t, 0.5 * h, world, work)
+        for j in range(JOINTS):
+            work[DISTURBANCE_HALF, j] = work[DISTURBANCE, j]
+    external_torque(t, 0.5 * h if stage == SECOND else h, base, world, work)
     for j in range(JOINTS):
         work[MEASURED_Q, j] = work[base + Q, j]
         work[MEASURED_V, j] = work[base + V, j]
@@ -77,25 +103,50 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
     """Record (but for SECOND) and integrate one stage.
 
     Args:
-        row: row of the record to write.
+        row: row of the record to write; below 0 none.
         wiring: the lane's wiring; its workspace holds the evaluation of the law, its step is
             the whole step for every stage.
 
     Returns:
-        0, or 1 + the joint that left its bounds.
+        0, 1 + the joint that left its bounds, or REFUSED where the step has to be cut.
     """
-    stage, h = settings(wiring)
+    stage, h, tolerance = settings(wiring)
     inertia, bias, world, _, work, record = loop_arrays(wiring)
-    limits = world[LIMIT]
     if stage == SECOND:
-        implicit_step(0.5 * h, HALF, HALF, inertia, bias, limits, work)
+        left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, world, work)
+        if unsolved(left, tolerance, work):
+            return REFUSED
+        work[ERRORS, WRONG] = step_error(h, tolerance, work)
+        if work[ERRORS, WRONG] > tolerance:
+            return REFUSED
         return accept(True, work)
-    write_record(row, world, work, record)
-    implicit_step(h, CURRENT, FULL, inertia, bias, limits, work)
+    if row >= 0:
+        write_record(row, world, work, record)
+    work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
+    left = implicit_step(h, CURRENT, FULL, inertia, bias, world, work)
+    if row >= 0 and work[FLAGS, HELD] != 0.0:
+        _record_held_torque(row, work, record)
+    if unsolved(left, tolerance, work):
+        return REFUSED
     if stage == PLAIN:
+        if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
+            return REFUSED
         return accept(False, work)
-    implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, limits, work)
+    if changes_within_a_step(world):
+        for j in range(JOINTS):
+            work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]
+    left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, world, work)
+    if unsolved(left, tolerance, work):
+        return REFUSED
     return within_bounds(HALF, work)
+
+
+@kernel
+def _record_held_torque(row, work, record):  # type: ignore[no-untyped-def]
+    """Record the torque that holds a joint on S = 0: sign(S) alone does not tell it there."""
+    for j in range(JOINTS):
+        if work[SLIDING, j] != 0.0:
+            record[row, 2 * JOINTS + j] = work[HELD_TORQUE, j]
 
 
 @kernel
@@ -113,7 +164,7 @@ def command(row, wiring):  # type: ignore[no-untyped-def]
     Returns:
         0, or 1 + the joint whose torque or weights are no longer finite.
     """
-    _, period = settings(wiring)
+    _, period, _ = settings(wiring)
     _, _, world, _, work, record = loop_arrays(wiring)
     write_record(row, world, work, record)
     for j in range(JOINTS):
@@ -130,7 +181,7 @@ def command(row, wiring):  # type: ignore[no-untyped-def]
 
 @kernel
 def plant_step(t, wiring):  # type: ignore[no-untyped-def]
-    """One step of the arm alone under the torque APPLIED, linearly implicit in friction.
+    """One step of the arm alone under the torque APPLIED, implicit in friction.
 
     Args:
         t: time in [s].
@@ -139,19 +190,8 @@ def plant_step(t, wiring):  # type: ignore[no-untyped-def]
     Returns:
         0, or 1 + the joint that left its bounds; the current state is then untouched.
     """
-    _, h = settings(wiring)
+    _, h, _ = settings(wiring)
     inertia, bias, world, _, work, _ = loop_arrays(wiring)
-    external_torque(t, CURRENT, world, work)
-    for i in range(JOINTS):
-        for j in range(JOINTS):
-            work[MATRIX + i, j] = inertia[i, j]
-        work[MATRIX + i, i] += h * work[F_SLOPE, i]
-        work[RIGHT, i] = work[APPLIED, i] - bias[i] - work[F, i]
-    solve(work)
-    for j in range(JOINTS):
-        v = work[CURRENT + V, j] + h * work[RIGHT, j]
-        work[FULL + V, j] = v
-        work[FULL + Q, j] = work[CURRENT + Q, j] + h * v
-        for n in range(NODES):
-            work[FULL + W + n, j] = work[CURRENT + W + n, j]
+    external_torque(t, h, CURRENT, world, work)
+    unsolved(arm_step(h, inertia, bias, world, work), inf, work)
     return accept(False, work)

@@ -7,6 +7,7 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +19,39 @@ from robot.laws.law import Law
 from robot.packed import Packed
 from robot.quantity import JOINTS
 from robot.stages import FIRST, PLAIN, SECOND, observe, plant_step
-from robot.wiring import wire
-from robot.workspace import APPLIED, CURRENT, HALF, MEASURED_Q, MEASURED_V, TAU, Q, V
+from robot.wiring import STEP, TOLERANCE, wire
+from robot.workspace import (
+    APPLIED,
+    CAPPED,
+    CURRENT,
+    CURVE,
+    CURVE_ROWS,
+    CUT,
+    ERRORS,
+    HALF,
+    MEASURED_Q,
+    MEASURED_V,
+    OVER,
+    TALLY,
+    TAU,
+    WRONG,
+    Q,
+    V,
+)
 
 Array = np.ndarray
+Attempt = Callable[[float, float, float], int]
 Step = Callable[[float, int, int], int]
 """``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
+
+NO_ROW = -1
+"""Row of a step that is only part of one: nothing is recorded."""
+LIVE_HALVINGS = 3
+"""How often the live session halves a step at most (*ours*): it has to keep its pace."""
+RUN_HALVINGS = 10
+"""How often a whole run halves a step at most (*ours*)."""
+RUN_PARTS = 20
+"""Parts that the rows of a whole run may have on average (*ours*)."""
 
 
 class Stage(NamedTuple):
@@ -58,28 +86,104 @@ def _stage(
     return Stage((truth.model, truth.data), q, v, believe, wiring)
 
 
-def plain_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
-    """Return the plain linearly implicit step of continuous mode."""
+class Cutting:
+    """How far steps may be cut, and how much of that is left.
+
+    Attributes:
+        deepest: how often one step may be halved.
+        left: how many parts the rows may still have together, beyond one each.
+        tolerance: how many times its tolerance the error of a step may be.
+    """
+
+    def __init__(
+        self, deepest: int = LIVE_HALVINGS, left: float = inf, tolerance: float = 1.0
+    ) -> None:
+        """Set all three."""
+        self.deepest, self.left, self.tolerance = deepest, left, tolerance
+
+    @classmethod
+    def of_whole_run(cls, rows: int, tolerance: float = 1.0) -> Cutting:
+        """Return what a run of so many rows may take (*ours*)."""
+        return cls(RUN_HALVINGS, RUN_PARTS * rows, tolerance)
+
+
+def _cut(attempt: Attempt, h: float, cutting: Cutting, work: Array) -> Callable[[float], int]:
+    """Return what makes a refused step in parts, each as long as its own error allows.
+
+    Args:
+        attempt: makes a step from the current state: ``(t, h, tolerance) -> 0, joint or REFUSED``.
+        h: length of a whole step in [s].
+        cutting: how far it may go.
+        work: the lane's workspace, whose TALLY counts.
+    """
+    tally, errors = work[TALLY], work[ERRORS]
+
+    def part(t: float, h: float, halvings: int) -> int:
+        cutting.left -= 1.0
+        last = halvings <= 0 or cutting.left < 0.0
+        bad = attempt(t, h, inf if last else cutting.tolerance)
+        if last:
+            errors[OVER] = max(errors[OVER], errors[WRONG])
+            return bad
+        if not bad:
+            return 0
+        return part(t, 0.5 * h, halvings - 1) or part(t + 0.5 * h, 0.5 * h, halvings - 1)
+
+    def cut(t: float) -> int:
+        tally[CUT] += 1.0
+        errors[OVER] = 0.0
+        if cutting.deepest <= 0:
+            return part(t, h, 0)
+        bad = part(t, 0.5 * h, cutting.deepest - 1)
+        bad = bad or part(t + 0.5 * h, 0.5 * h, cutting.deepest - 1)
+        if errors[OVER] > 1.0:
+            tally[CAPPED] += 1.0
+        return bad
+
+    return cut
+
+
+def plain_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
+) -> Step:
+    """Return the plain implicit step of continuous mode."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
+    h = packed.experiment.simulation.step
     (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
+    numbers = wiring.view(np.float64)
 
     def step(t: float, number: int, row: int) -> int:
         crba(arm, data, q)
         bias(arm, data, q, v)
         if believe is not None:
             believe()
-        return kernel(t, row, wiring)
+        bad = kernel(t, row, wiring)
+        if bad and row >= 0:
+            bad = cut(t)
+            numbers[STEP], numbers[TOLERANCE] = h, cutting.tolerance
+        return bad
 
+    def attempt(t: float, h: float, tolerance: float) -> int:
+        numbers[STEP], numbers[TOLERANCE] = h, tolerance
+        return step(t, 0, NO_ROW)
+
+    numbers[TOLERANCE] = cutting.tolerance
+    cut = _cut(attempt, h, cutting, work)
     return step
 
 
-def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, record: Array) -> Step:
+def extrapolated_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
+) -> Step:
     """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    half = 0.5 * packed.experiment.simulation.step
+    h = packed.experiment.simulation.step
     (arm, data), q, v, believe, first = _stage(FIRST, CURRENT, law, packed, gains, work, record)
     later = _stage(SECOND, HALF, law, packed, gains, work, record)
     (_, data2), q2, v2, believe2, second = later
+    numbers, numbers2 = first.view(np.float64), second.view(np.float64)
+
+    half = 0.5 * h
 
     def step(t: float, number: int, row: int) -> int:
         crba(arm, data, q)
@@ -87,14 +191,29 @@ def extrapolated_step(law: Law, packed: Packed, gains: Array, work: Array, recor
         if believe is not None:
             believe()
         bad = kernel(t, row, first)
-        if bad:
-            return bad
-        crba(arm, data2, q2)
-        bias(arm, data2, q2, v2)
-        if believe2 is not None:
-            believe2()
-        return kernel(t + half, row, second)
+        if not bad:
+            crba(arm, data2, q2)
+            bias(arm, data2, q2, v2)
+            if believe2 is not None:
+                believe2()
+            bad = kernel(t + half, row, second)
+        if bad and row >= 0:
+            bad = cut(t)
+            settle(h, cutting.tolerance)
+        return bad
 
+    def settle(h: float, tolerance: float) -> None:
+        nonlocal half
+        half = 0.5 * h
+        numbers[STEP] = numbers2[STEP] = h
+        numbers[TOLERANCE] = numbers2[TOLERANCE] = tolerance
+
+    def attempt(t: float, h: float, tolerance: float) -> int:
+        settle(h, tolerance)
+        return step(t, 0, NO_ROW)
+
+    settle(h, cutting.tolerance)
+    cut = _cut(attempt, h, cutting, work)
     return step
 
 
@@ -166,7 +285,13 @@ def sampled_step(
 
 
 def bind_step(
-    law: Law, packed: Packed, gains: Array, work: Array, record: Array, commands: Array
+    law: Law,
+    packed: Packed,
+    gains: Array,
+    work: Array,
+    record: Array,
+    commands: Array,
+    cutting: Cutting,
 ) -> Step:
     """Return the step that an experiment asks for.
 
@@ -177,12 +302,15 @@ def bind_step(
         work: the lane's workspace, which holds its state.
         record: rows to write. Shape (n, 48).
         commands: what ``torques_on_the_way`` returned; only sampled mode uses it.
+        cutting: how far a step of continuous mode may be cut.
 
     Returns:
         ``step(t, number, row)``.
     """
     simulation = packed.experiment.simulation
+    # What another law left there is not this one's.
+    work[CURVE : CURVE + CURVE_ROWS] = 0.0
     if simulation.mode == "sampled":
         return sampled_step(law, packed, gains, work, record, commands)
     bind = extrapolated_step if simulation.scheme == "extrapolated" else plain_step
-    return bind(law, packed, gains, work, record)
+    return bind(law, packed, gains, work, record, cutting)

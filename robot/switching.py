@@ -12,7 +12,7 @@ import numpy as np
 
 from robot.compiled import kernel
 from robot.quantity import JOINTS, Number, PerJoint, Section, field
-from robot.workspace import GAIN, REACH, S
+from robot.workspace import CURVE, CURVE_ROWS, GAIN, REACH, S
 
 Array = np.ndarray
 
@@ -25,8 +25,9 @@ REACHINGS: tuple[Reaching, ...] = ("exponential", "constant", "power")
 TANH, SATURATION, SIGN = 0, 1, 2
 EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
 
-K1, K2, EPSILON, ALPHA, CODES = range(5)
-REACHING_ROWS = 5
+K1, K2, EPSILON, ALPHA, CODES = range(CURVE_ROWS)
+# Columns of the row CODES: two codes, and whether this is a reaching law at all.
+SWITCHING_CODE, REACHING_CODE, IS_REACHING = range(3)
 
 
 class ReachingGains(Section):
@@ -104,14 +105,15 @@ class ReachingGains(Section):
 
     def pack_reaching(self) -> Array:
         """Return the reaching law as numbers. Shape (5, 6)."""
-        block = np.zeros((REACHING_ROWS, JOINTS))
+        block = np.zeros((CURVE_ROWS, JOINTS))
         block[K1], block[K2], block[EPSILON], block[ALPHA] = (
             self.k1,
             self.k2,
             self.epsilon,
             self.alpha,
         )
-        block[CODES, :2] = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching)
+        codes = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching), 1.0
+        block[CODES, : len(codes)] = codes
         return block
 
 
@@ -141,28 +143,41 @@ def switch(code, s, epsilon):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def reach(block, work):  # type: ignore[no-untyped-def]
-    r"""Reaching law of every joint (Liu et al. 2025, Eq. 10-13): value into REACH, slope into GAIN.
+def reaching(block, j, s):  # type: ignore[no-untyped-def]
+    r"""Reaching law of one joint (Liu et al. 2025, Eq. 10-13) and its slope.
 
     .. math:: k_1 S + k_2\,\mathrm{sw}(S), \quad k_2\,\mathrm{sw}(S), \quad
         k_1 |S|^\alpha\,\mathrm{sw}(S)
 
     Args:
         block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
+        j: which joint, from 0.
+        s: its sliding variable in [rad/s].
+
+    Returns:
+        Value [N m] and slope [N m s/rad].
+    """
+    law, k1, k2 = block[CODES, REACHING_CODE], block[K1, j], block[K2, j]
+    value, slope = switch(block[CODES, SWITCHING_CODE], s, block[EPSILON, j])
+    if law == EXPONENTIAL:
+        return k1 * s + k2 * value, k1 + k2 * slope
+    if law == CONSTANT:
+        return k2 * value, k2 * slope
+    size, alpha = max(abs(s), 1e-12), block[ALPHA, j]
+    power = k1 * size**alpha
+    return power * value, power * (slope + alpha * abs(value) / size)
+
+
+@kernel
+def reach(block, work):  # type: ignore[no-untyped-def]
+    """Reaching law of every joint: value into REACH, slope into GAIN, the law itself into CURVE.
+
+    Args:
+        block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
         work: workspace; reads S.
     """
-    switching, law = block[CODES, 0], block[CODES, 1]
+    for row in range(CURVE_ROWS):
+        for j in range(JOINTS):
+            work[CURVE + row, j] = block[row, j]
     for j in range(JOINTS):
-        s, k1, k2 = work[S, j], block[K1, j], block[K2, j]
-        value, slope = switch(switching, s, block[EPSILON, j])
-        if law == EXPONENTIAL:
-            work[REACH, j] = k1 * s + k2 * value
-            work[GAIN, j] = k1 + k2 * slope
-        elif law == CONSTANT:
-            work[REACH, j] = k2 * value
-            work[GAIN, j] = k2 * slope
-        else:
-            size = max(abs(s), 1e-12)
-            power = size ** block[ALPHA, j]
-            work[REACH, j] = k1 * power * value
-            work[GAIN, j] = k1 * power * (slope + block[ALPHA, j] * abs(value) / size)
+        work[REACH, j], work[GAIN, j] = reaching(block, j, work[S, j])

@@ -49,7 +49,7 @@ def required_torque(packed: Packed) -> Array:
     for t in np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS):
         reference(t, packed.trajectory, work)
         work[CURRENT + V] = work[VD]
-        external_torque(t, CURRENT, packed.world, work)
+        external_torque(t, 0.0, CURRENT, packed.world, work)
         inertia = pin.crba(model, data, work[QD])
         bias = pin.nonLinearEffects(model, data, work[QD], work[VD])
         greatest = np.maximum(greatest, np.abs(inertia @ work[AD] + bias + work[F]))

@@ -30,7 +30,7 @@ def warm_up(progress: Progress | None = None) -> None:
         if progress is not None:
             progress(number, len(parts), f"{LAWS[law].title}, {mode}")
         experiment = _experiment(law, mode)
-        simulate(experiment)
+        simulate(experiment, estimate=False)
         worst_margin(pack(experiment), "A")
     mark_warm()
     if progress is not None:

@@ -24,7 +24,7 @@ from robot.workspace import RECORD_COLUMNS, WORK_ROWS
 Array = np.ndarray
 
 INERTIA, BIAS, NOMINAL_INERTIA, NOMINAL_BIAS, GAINS, WORLD, TRAJECTORY, WORK, RECORD = range(9)
-STAGE, STEP, TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, SIZE = range(9, 15)
+STAGE, STEP, TOLERANCE, TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, SIZE = range(9, 16)
 WORLD_SHAPE = (SENSOR + 1, JOINTS)
 
 
@@ -58,7 +58,8 @@ def wire(
         work: the lane's workspace.
         record: rows to write. Shape (k, 48).
         stage: what a kernel of continuous mode is asked for; see ``robot.stages``.
-        step: step or control period in [s].
+        step: step or control period in [s]. It and TOLERANCE, how many times its tolerance the
+            error of a step may be, can be changed in the table.
 
     Raises:
         ValueError: if an array is not one block of float64, or has another shape.
@@ -87,6 +88,7 @@ def wire(
     table[STAGE], table[TRAJECTORY_SIZE] = stage, len(trajectory)
     table[GAIN_ROWS], table[RECORD_ROWS] = len(gains), len(record)
     table.view(np.float64)[STEP] = step
+    table.view(np.float64)[TOLERANCE] = 1.0
     # Pinocchio's own memory goes with its data, which the dynamics hold.
     return np.asarray(_Kept(table, arrays, truth, belief))
 
@@ -104,8 +106,9 @@ _pointer: Any = intrinsic(_as_pointer)
 
 @kernel
 def settings(wiring):  # type: ignore[no-untyped-def]
-    """Return the stage and the step [s] of a wiring."""
-    return wiring[STAGE], wiring.view(np.float64)[STEP]
+    """Return the stage, the step [s] and the tolerance of a wiring."""
+    numbers = wiring.view(np.float64)
+    return wiring[STAGE], numbers[STEP], numbers[TOLERANCE]
 
 
 @kernel

@@ -15,7 +15,7 @@ from robot.stages import begin, command, finish, observe
 from robot.surface import NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import FLAGS, REACH, S_V, SHAPE, TAU
+from robot.workspace import FLAGS, REACH, S_V, SHAPE, SHAPED, TAU
 
 Array = np.ndarray
 
@@ -58,7 +58,7 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shaped = gains[9, 0] != 0.0
-    work[FLAGS, 0] = 1.0 if shaped else 0.0
+    work[FLAGS, SHAPED] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:
             for j in range(JOINTS):

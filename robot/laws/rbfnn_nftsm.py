@@ -14,7 +14,7 @@ from robot.stages import begin, command, finish, observe
 from robot.surface import NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, TAU
+from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, SHAPED, TAU
 
 Array = np.ndarray
 
@@ -43,7 +43,7 @@ def control(base, gains, work):  # type: ignore[no-untyped-def]
     nftsm_surface(gains[:4], work)
     reach(gains[4:9], work)
     network(gains[9:], base, work)
-    work[FLAGS, 0] = 0.0
+    work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] = work[NETWORK, j] + work[REACH, j]
 

@@ -14,7 +14,7 @@ from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, TAU
+from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, SHAPED, TAU
 
 Array = np.ndarray
 
@@ -43,7 +43,7 @@ def control(base, gains, work):  # type: ignore[no-untyped-def]
     linear_surface(gains[:1], work)
     reach(gains[1:6], work)
     network(gains[6:], base, work)
-    work[FLAGS, 0] = 0.0
+    work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] = work[NETWORK, j] + work[REACH, j]
 

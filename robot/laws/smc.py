@@ -15,7 +15,7 @@ from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import FLAGS, REACH, TAU
+from robot.workspace import FLAGS, REACH, SHAPED, TAU
 
 Array = np.ndarray
 
@@ -46,7 +46,7 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
     reach(gains[1:], work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
-    work[FLAGS, 0] = 0.0
+    work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] += work[REACH, j]
 

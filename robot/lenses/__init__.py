@@ -59,7 +59,7 @@ def look_through(
         CancelledError: if ``cancelled`` said yes.
     """
     alone = only_known_lane(experiment, lane)
-    run = simulate(alone, cancelled=cancelled).lanes[lane]
+    run = simulate(alone, cancelled=cancelled, estimate=False).lanes[lane]
     packed, freeze = pack(alone), run.freeze
     frozen = None
     if freeze is not None:

@@ -74,6 +74,6 @@ class Probe:
         self._work[CURRENT + Q], self._work[CURRENT + V] = q, v
         work = self._ask(t, self._on_the_way)
         equivalent_control(self._arm.inertia, self._arm.bias, work)
-        external_torque(t, CURRENT, self._world, work)
+        external_torque(t, 0.0, CURRENT, self._world, work)
         needed: Array = work[TAU] + work[F]
         return needed

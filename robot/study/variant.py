@@ -45,7 +45,7 @@ def figures(
     nothing: dict[str, Any] = dict.fromkeys(METRICS)
     try:
         variant = quickened(only_lane(experiment.patched(patch), lane))
-        result = simulate(variant, cancelled=cancelled).lanes[lane]
+        result = simulate(variant, cancelled=cancelled, estimate=False).lanes[lane]
     except InvalidExperimentError as error:
         return {**nothing, "state": "refused", "reason": str(error)}
     if result.freeze is not None:

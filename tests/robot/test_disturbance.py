@@ -34,7 +34,7 @@ def torques(numbers: Array, times: Array) -> Array:
     """Return F at given times, at rest. Shape (n, 6)."""
     work, rows = np.zeros((WORK_ROWS, JOINTS)), []
     for t in times:
-        external_torque(float(t), CURRENT, numbers, work)
+        external_torque(float(t), 0.0, CURRENT, numbers, work)
         rows.append(work[F].copy())
     return np.array(rows)
 
@@ -42,7 +42,7 @@ def torques(numbers: Array, times: Array) -> Array:
 def at_velocity(numbers: Array, v: Array | float, base: int = CURRENT) -> tuple[Array, Array]:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[base + V] = v
-    external_torque(0.3, base, numbers, work)
+    external_torque(0.3, 0.0, base, numbers, work)
     return work[F].copy(), work[F_SLOPE].copy()
 
 
@@ -173,7 +173,7 @@ def test_friction_looks_at_the_state_it_is_told() -> None:
 def test_a_push_helps_the_joints_instead_of_taking_from_them() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[PUSH] = SIX
-    external_torque(0.0, CURRENT, world(constant=1.0), work)
+    external_torque(0.0, 0.0, CURRENT, world(constant=1.0), work)
     np.testing.assert_allclose(work[F], 1.0 - np.array(SIX))
 
 

@@ -23,7 +23,7 @@ from robot.stability import sampling_margin
 from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.wiring import law_arrays
-from robot.workspace import FLAGS, GAIN, REACH, S_E, S_V, SHAPE, TAU, WORK_ROWS, Q, S, V
+from robot.workspace import FLAGS, GAIN, REACH, S_E, S_V, SHAPE, SHAPED, TAU, WORK_ROWS, Q, S, V
 from tests.robot.wired import arm_of, wired
 
 Array = np.ndarray
@@ -189,7 +189,7 @@ def test_a_law_hands_the_implicit_step_the_slopes_of_its_feedback(law: str) -> N
         return torque if silent is None else torque - evaluated(silent, q, v)[TAU]
 
     work = evaluated(lane, q, v)
-    share = work[SHAPE : SHAPE + JOINTS] if work[FLAGS, 0] else np.eye(JOINTS)
+    share = work[SHAPE : SHAPE + JOINTS] if work[FLAGS, SHAPED] else np.eye(JOINTS)
     for joint, ahead in enumerate(1e-6 * np.eye(JOINTS)):
         over_q = (feedback(q + ahead, v) - feedback(q - ahead, v)) / 2e-6
         over_v = (feedback(q, v + ahead) - feedback(q, v - ahead)) / 2e-6
@@ -231,7 +231,7 @@ def toy_control(gains, work):  # type: ignore[no-untyped-def]
     """τ = g (de + λ e)."""
     linear_surface(gains[:1], work)
     no_network(work)
-    work[FLAGS, 0] = 0.0
+    work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[GAIN, j] = gains[1, j]
         work[REACH, j] = gains[1, j] * work[S, j]

@@ -117,14 +117,3 @@ def test_a_refused_name_of_a_lane_is_told_once() -> None:
     (field,) = refusals({"lanes": {"a/b": {"law": "smc"}}})
     assert field.message.startswith("a lane's name has 1 to 40 characters")
     assert field.message.count("a/b") == 1
-
-
-def test_sign_in_continuous_mode_is_refused_with_the_reason_and_two_ways_out() -> None:
-    document = {"lanes": {"A.B": {"law": "nftsm", "switching": "sign"}}}
-    (field,) = refusals(document)
-    assert field.path == 'lanes."A.B".switching'
-    for part in ("no slope", "tanh", "saturation", "simulation.mode", "sampled"):
-        assert part in field.message
-    sampled = Experiment.from_document({**document, "simulation": {"mode": "sampled"}})
-    with pytest.raises(InvalidExperimentError, match="no slope"):
-        sampled.patched({"simulation": {"mode": "continuous"}})

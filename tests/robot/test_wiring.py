@@ -57,7 +57,7 @@ def test_a_kernel_sees_every_array_whole() -> None:
     for (total, size), array in zip(sums(wiring), arrays, strict=True):
         assert size == array.size
         assert total == pytest.approx(array.sum())
-    assert settings(wiring) == (FIRST, 0.25)
+    assert settings(wiring) == (FIRST, 0.25, 1.0)
 
 
 def test_what_a_kernel_writes_is_in_the_array() -> None:

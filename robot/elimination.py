@@ -1,0 +1,46 @@
+"""Elimination of a system of six, in place in the workspace; no pivoting.
+
+Its matrix is an inertia plus a positive diagonal, or an inertia times one.
+"""
+
+from __future__ import annotations
+
+from robot.compiled import kernel
+from robot.quantity import JOINTS
+from robot.workspace import MATRIX, RIGHT
+
+
+@kernel
+def solve(work):  # type: ignore[no-untyped-def]
+    """Solve MATRIX x = RIGHT, in place; the answer stands in RIGHT."""
+    for k in range(JOINTS - 1):
+        inverse = 1.0 / work[MATRIX + k, k]
+        for i in range(k + 1, JOINTS):
+            factor = work[MATRIX + i, k] * inverse
+            for j in range(k + 1, JOINTS):
+                work[MATRIX + i, j] -= factor * work[MATRIX + k, j]
+            work[RIGHT, i] -= factor * work[RIGHT, k]
+    _substitute(work)
+
+
+@kernel
+def solve_symmetric(work):  # type: ignore[no-untyped-def]
+    """Do the same with the upper triangle of a symmetric MATRIX alone: half the work."""
+    for k in range(JOINTS - 1):
+        inverse = 1.0 / work[MATRIX + k, k]
+        for i in range(k + 1, JOINTS):
+            factor = work[MATRIX + k, i] * inverse
+            for j in range(i, JOINTS):
+                work[MATRIX + i, j] -= factor * work[MATRIX + k, j]
+            work[RIGHT, i] -= factor * work[RIGHT, k]
+    _substitute(work)
+
+
+@kernel
+def _substitute(work):  # type: ignore[no-untyped-def]
+    """Substitute back from the last row to the first."""
+    for i in range(JOINTS - 1, -1, -1):
+        total = work[RIGHT, i]
+        for j in range(i + 1, JOINTS):
+            total -= work[MATRIX + i, j] * work[RIGHT, j]
+        work[RIGHT, i] = total / work[MATRIX + i, i]
