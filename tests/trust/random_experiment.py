@@ -48,8 +48,6 @@ class Draw:
     def _avoid_refusal(self, drawn: Document) -> None:
         """Change the combinations that are known to be refused."""
         for lane in drawn["lanes"].values():
-            if drawn["simulation"]["mode"] == "continuous" and lane.get("switching") == "sign":
-                lane["switching"] = self._dice.choice(["tanh", "saturation"])
             if "p" in lane:
                 odd = [2 * self._dice.randint(1, 24) + 1 for _ in range(6)]
                 lane["k"] = odd

@@ -1,0 +1,91 @@
+"""Draws the experiments that are held against the reference."""
+
+from __future__ import annotations
+
+import math
+import random
+from typing import Any
+
+from robot.errors import InvalidExperimentError
+from robot.experiment import Experiment
+from robot.laws import LAWS
+from robot.presets import load_preset
+from tests.trust.random_experiment import Draw
+
+Document = dict[str, Any]
+
+HORIZON = 1.0
+_STEERED = ("paper", "paper-undisturbed", "experiment-quintic", "realistic", "chattering-tanh")
+_SECTIONS = (
+    ("robot", ("inertia_scale", "armature", "viscous_friction", "coulomb_friction")),
+    ("trajectory", ("amplitude", "angular_frequency", "duration")),
+    ("disturbance", ("constant", "nominal_mismatch")),
+)
+
+
+def by_hand(seed: int) -> Document:
+    """Return a lane of a shipped preset with one to four sliders moved."""
+    dice = random.Random(seed)
+    preset = load_preset(dice.choice(_STEERED))
+    name = dice.choice(list(preset.lanes))
+    others = {other: None for other in preset.lanes if other != name}
+    lane: Document = {}
+    patch: Document = {"lanes": {name: lane, **others}, "simulation": _simulation()}
+    sliders = [("lane", key) for key in _numbers(type(preset.lanes[name])) if key not in "pk"]
+    for section, keys in _SECTIONS:
+        known = _numbers(type(getattr(preset, section)))
+        sliders += [(section, key) for key in keys if key in known]
+    for section, key in dice.sample(sliders, dice.randint(1, 4)):
+        kind = type(preset.lanes[name] if section == "lane" else getattr(preset, section))
+        value = _placed(dice, _numbers(kind)[key])
+        (lane if section == "lane" else patch.setdefault(section, {}))[key] = value
+    if "switching" in type(preset.lanes[name]).model_fields:
+        if dice.random() < 0.3:
+            lane["switching"] = dice.choice(["tanh", "saturation", "sign"])
+        if dice.random() < 0.3:
+            lane["reaching"] = dice.choice(["exponential", "constant", "power"])
+    return preset.patched(patch).document()
+
+
+def widely(seed: int) -> Document:
+    """Return an experiment drawn over all bounds, of the law whose turn it is."""
+    law = list(LAWS)[seed % len(LAWS)]
+    dice = random.Random(seed)
+    for attempt in range(1000):
+        drawn = Draw(1000 * seed + attempt).document()
+        lanes = [lane for lane in drawn["lanes"].values() if lane["law"] == law]
+        if not lanes:
+            continue
+        drawn["lanes"] = {"A": lanes[0]}
+        start = {key: drawn["simulation"][key] for key in ("initial_velocity", "initial_error")}
+        drawn["simulation"] = {**_simulation(), **start}
+        if dice.random() < 2 / 3:
+            drawn["robot"].update(viscous_friction=0.0, coulomb_friction=0.0)
+        if dice.random() < 2 / 3:
+            drawn["robot"]["torque_limit"] = None
+        if dice.random() < 2 / 3:
+            drawn["robot"]["payload"]["mass"] = 0.0
+        drawn["disturbance"]["pulse"]["start"] = dice.uniform(0.0, 1.0)
+        try:
+            return Experiment.from_document(drawn).document()
+        except InvalidExperimentError:
+            continue
+    raise AssertionError("no draw was valid")
+
+
+def _simulation() -> Document:
+    return {"mode": "continuous", "step": 0.001, "scheme": "extrapolated", "horizon": HORIZON}
+
+
+def _numbers(section: Any) -> dict[str, Document]:
+    """Return the numeric fields of a section with their bounds."""
+    extras = {key: field.json_schema_extra for key, field in section.model_fields.items()}
+    return {key: extra for key, extra in extras.items() if extra and "minimum" in extra}
+
+
+def _placed(dice: random.Random, extra: Document) -> float:
+    """Return a random place of a slider."""
+    low, high = float(extra["minimum"]), float(extra["maximum"])
+    if extra.get("scale") == "log":
+        return min(max(math.exp(dice.uniform(math.log(low), math.log(high))), low), high)
+    return dice.uniform(low, high)
