@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,25 @@ from robot.disturbance import (
     TONE_OMEGA,
     TONE_PHASE,
     Disturbance,
+    disturbance_torque,
     external_torque,
     measure,
     pack_world,
 )
 from robot.quantity import JOINTS
-from robot.workspace import CURRENT, F_SLOPE, HALF, MEASURED_Q, MEASURED_V, PUSH, WORK_ROWS, F, Q, V
+from robot.workspace import (
+    CURRENT,
+    DISTURBANCE,
+    F_SLOPE,
+    HALF,
+    MEASURED_Q,
+    MEASURED_V,
+    PUSH,
+    WORK_ROWS,
+    F,
+    Q,
+    V,
+)
 
 Array = np.ndarray
 SIX = [1.0, -2.0, 3.0, 0.0, 0.5, -0.1]
@@ -239,3 +253,53 @@ def test_noise_on_the_angle_alone_leaves_the_velocity() -> None:
     assert q.any()
     assert not v.any()
     assert world()[SENSOR, :2].tolist() == [0.0, 0.0]
+
+
+def impulse(document: dict[str, Any], edges: Array) -> Array:
+    """Return the impulse in [N m s] that the means over the given steps add up to. Shape (6,)."""
+    numbers, work, total = world(**document), np.zeros((WORK_ROWS, JOINTS)), np.zeros(JOINTS)
+    for start, end in pairwise(edges):
+        disturbance_torque(start, end - start, numbers, work)
+        total += (end - start) * work[DISTURBANCE]
+    return total
+
+
+@pytest.mark.parametrize("steps", [1, 2, 7, 100, 3000])
+@pytest.mark.parametrize(
+    "pulse",
+    [
+        {"start": 0.3004, "duration": 0.001, "period": 0.0},
+        {"start": 0.3004, "duration": 0.001, "period": 0.0017},
+        {"start": 0.9, "duration": 5.0, "period": 0.0},
+        {"start": 0.1, "duration": 2.0, "period": 0.5},
+    ],
+)
+def test_a_pulse_gives_its_impulse_whatever_the_step(steps: int, pulse: dict[str, float]) -> None:
+    document = {"pulse": {"amplitude": 40.0, **pulse}}
+    start, duration, period = pulse["start"], pulse["duration"], pulse["period"] or np.inf
+    begins = start + np.arange(700) * period if period < np.inf else np.array([start])
+    merged = duration >= period
+    lasts = np.clip(1.0 - begins, 0.0, min(duration, period) if merged else duration)
+    found = impulse(document, np.linspace(0.0, 1.0, steps + 1))
+    np.testing.assert_allclose(found, 40.0 * lasts.sum(), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 3, 10, 200])
+def test_a_swing_and_noise_give_their_impulse_whatever_the_step(steps: int) -> None:
+    document = {
+        "sine": {"amplitude": 5.0, "frequency": 100.0, "phase": 0.4},
+        "noise": {"amplitude": 3.0, "bandwidth": 200.0},
+        "constant": 1.0,
+    }
+    fine = impulse(document, np.linspace(0.0, 0.123, 100_001))
+    found = impulse(document, np.linspace(0.0, 0.123, steps + 1))
+    np.testing.assert_allclose(found, fine, atol=1e-9)
+
+
+def test_the_mean_over_no_time_is_the_torque_itself() -> None:
+    document = {"sine": {"amplitude": 5.0, "frequency": 3.0}, "noise": {"amplitude": 1.0}}
+    numbers, work = world(**document), np.zeros((WORK_ROWS, JOINTS))
+    disturbance_torque(0.2, 0.0, numbers, work)
+    instant = work[DISTURBANCE].copy()
+    disturbance_torque(0.2, 1e-7, numbers, work)
+    np.testing.assert_allclose(work[DISTURBANCE], instant, rtol=1e-4)
