@@ -129,7 +129,8 @@ def _finer(simulation: Simulation, error: float) -> tuple[str, dict[str, Any] | 
     least, _ = bounds(Simulation, "step")
     if step < max(least, simulation.horizon / MAX_STEPS):
         return "No step that is allowed would do: the motion may be chaotic.", None
-    return f"A step of {1e3 * step:g} ms should do; its estimate will tell.", {"simulation": {"step": step}}
+    words = f"A step of {1e3 * step:g} ms should do; its estimate will tell."
+    return words, {"simulation": {"step": step}}
 
 
 def _rounded_down(value: float) -> float:

@@ -78,7 +78,7 @@ def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
     better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.002}})
     accuracy = lane_of(better).accuracy
     assert accuracy.patch is not None
-    for _ in range(2):
+    for _ in range(4):
         better = better.patched(accuracy.patch)
         accuracy = lane_of(better).accuracy
         if accuracy.patch is None:
