@@ -308,7 +308,8 @@ def unsolved(left, tolerance, work):  # type: ignore[no-untyped-def]
     if tolerance != inf:
         return True
     work[TALLY, UNSOLVED] += 1.0
-    work[TALLY, LEFT] = max(work[TALLY, LEFT], left)
+    # What has no end freezes the lane, and is told there.
+    work[TALLY, LEFT] = max(work[TALLY, LEFT], min(left, MAX_VELOCITY))
     return False
 
 
