@@ -10,9 +10,9 @@ import numpy as np
 from robot.experiment import Simulation
 from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from robot.laws import LAWS
+from robot.margin import Margin, is_stable_unsampled, margin_at
 from robot.packed import Packed
 from robot.quantity import JOINTS
-from robot.stability import margin_limit, sampling_margin, sufficient_rate
 from robot.steps import Cutting, Step, bind_step, torques_on_the_way
 from robot.trajectory import reference
 from robot.workspace import PUSH, QD, RECORD, RECORD_COLUMNS, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
@@ -34,12 +34,14 @@ class Freeze:
         joint: which joint, from 1; ``None`` where the law itself failed.
         cause: what happened and what to do, in words.
         gamma: the sampling margin where that is the reason, else ``None``.
+        radius: the spectral radius of one control period where that is the reason, else ``None``.
     """
 
     time: float
     joint: int | None
     cause: str
     gamma: float | None = None
+    radius: float | None = None
 
 
 class Lane:
@@ -129,15 +131,13 @@ class Lane:
         )
         simulation = packed.experiment.simulation
         if simulation.mode == "sampled":
-            gamma, limit = (
-                sampling_margin(packed, self.name, self.work[Q]),
-                margin_limit(simulation),
-            )
-            if gamma > limit:
-                cause += _too_high(simulation, gamma, limit)
-                self.freeze = Freeze(time, joint, cause, gamma)
+            margin = margin_at(packed, self.name, time)
+            calms = margin.stable or (margin.radius is None and margin.bounded)
+            if not calms and is_stable_unsampled(packed, self.name, time):
+                cause += _too_fast(simulation, margin)
+                self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
                 return
-        cause += " Lower the gains or the disturbance, then reset."
+        cause += " Change the gains or lower the disturbance, then reset."
         self.freeze = Freeze(time, joint, cause)
 
     def fail(self, packed: Packed, time: float, row: int, error: Exception) -> None:
@@ -169,13 +169,16 @@ def _replace_broken(values: Array, known: Array) -> None:
     values[broken] = known[broken]
 
 
-def _too_high(simulation: Simulation, gamma: float, limit: float) -> str:
-    """Say what a sampled loop of that margin would take."""
+def _too_fast(simulation: Simulation, margin: Margin) -> str:
+    """Say in words what a sampled loop of that margin would take."""
     late = " and its input delay" if simulation.input_delay else ""
-    rate = sufficient_rate(simulation, gamma)
-    faster = f", or sample at {rate:.3g} Hz" if rate is not None else ""
+    cause = f" The gains are too high for {simulation.control_rate:g} Hz{late}"
+    if margin.radius is None:
+        return f"{cause}, sign(S) apart. Lower them or sample faster, then reset."
+    cause += f": from one sample to the next deviations grow by ρ = {margin.radius:.4g}"
+    if margin.gamma is not None:
+        border = f", this loop's border is {margin.limit:.3g}" if margin.limit else ""
+        cause += f" (γ = {margin.gamma:.3g}{border})"
     return (
-        f" The gains are too high for {simulation.control_rate:g} Hz{late}: "
-        f"γ = {gamma:.3g} where a sampled loop needs less than {limit:.3g}. "
-        f"Lower k₁ or k₂/ε, add armature{faster}."
+        f"{cause}. Lower k₁, k₂/ε or the learning rate, add armature or sample faster, then reset."
     )

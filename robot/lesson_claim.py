@@ -11,12 +11,12 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from robot.experiment import Experiment
+from robot.margin import margin_limit, worst_margin
 from robot.metrics import Metrics
 from robot.network import NetworkGains
 from robot.packed import pack
 from robot.quantity import JOINTS, Section, refusal
 from robot.simulate import LaneRun, Run
-from robot.stability import margin_limit, worst_margin
 from robot.workspace import NODES
 
 Array = np.ndarray

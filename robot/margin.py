@@ -1,8 +1,13 @@
-"""How close a sampled loop is to divergence, and what would take it further away."""
+"""How close a sampled loop is to its border, and what would take it further away.
+
+The condition is that of the whole loop: the spectral radius of one control period's linear map is
+below 1. Gamma is the textbook's number, which sees the reaching law alone.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -12,7 +17,8 @@ from robot.dynamics import dynamics
 from robot.experiment import Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
-from robot.quantity import JOINTS
+from robot.period_map import MARGINAL, Around, PeriodMap, calm
+from robot.quantity import JOINTS, bounds
 from robot.trajectory import QUINTIC, reference
 from robot.wiring import wire
 from robot.workspace import FLAGS, GAIN, QD, RECORD_COLUMNS, S_V, SHAPE, WORK_ROWS, Q, V
@@ -21,11 +27,14 @@ Array = np.ndarray
 
 MARGIN_LIMIT = 2.0
 """An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
-_FASTEST = 9900.0
-"""Greatest control rate in [Hz] that a note proposes (*ours*: the field takes 10 kHz)."""
-_WIDEST = 10.0
-"""Greatest boundary layer in [rad/s] that a note proposes: the field's own bound."""
 _POSES = 12
+"""Instants along the desired motion at which the loop is looked at (*ours*)."""
+_UNSAMPLED = 1e7
+"""Control rate in [Hz] that stands for continuous time (*ours*)."""
+_SLOW = 0.05
+"""Growth in [1/s] that differences can't tell from none at that rate (*ours*)."""
+_WEAKER = np.geomspace(1.0, 1e-4, 13)
+"""Shares of the layer's slope that an oscillation of growing amplitude feels (*ours*)."""
 
 
 def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -> Array:
@@ -56,7 +65,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
 def sampling_margin(packed: Packed, name: str, q: Array) -> float:
     r"""Return how close a sampled loop is to divergence.
 
-    .. math:: \gamma = \lambda_{max}(T D (M + A)^{-1}), \qquad
+    .. math:: \gamma = \lambda_{max}(T D M^{-1}), \qquad
         D = (k_1 + k_2/\epsilon)\,\partial S/\partial\dot e
 
     Args:
@@ -65,8 +74,8 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
         q: joint angles in [rad]. Shape (6,).
 
     Returns:
-        The margin [-] at the sample period T of ``control_rate``; above ``margin_limit`` the loop
-        diverges.
+        The margin [-] at the sample period T of ``control_rate``. A loop that is nothing but a
+        damper diverges above ``margin_limit``; any loop leaves its border at ``Margin.limit``.
     """
     q = np.ascontiguousarray(q)
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
@@ -101,41 +110,242 @@ def margin_limit(simulation: Simulation) -> float:
     return float(2.0 * np.sin(0.5 * angle[first]) / np.abs(mean[first]))
 
 
-def sufficient_rate(simulation: Simulation, gamma: float) -> float | None:
-    """Return a control rate in [Hz] at which linear gains are stable, or ``None``.
+@dataclass(frozen=True)
+class Margin:
+    """How a sampled loop stands, at the worst instant of its desired motion.
+
+    Attributes:
+        radius: spectral radius of one control period within the boundary layer [-]; ``None`` for
+            sign(S), which has no layer.
+        bounded: whether what leaves the layer comes to a limit cycle instead of growing on.
+        gamma: the sampling margin [-]; ``None`` where the slope of the reaching law depends on how
+            far S is from 0 (power), or has no end (sign).
+        limit: gamma at which this very loop leaves its border when its reaching gains grow alike;
+            0 where it does so without them, ``None`` where there is no gamma.
+    """
+
+    radius: float | None
+    bounded: bool
+    gamma: float | None
+    limit: float | None
+
+    @property
+    def stable(self) -> bool:
+        """Whether a small deviation dies out."""
+        return self.radius is not None and self.radius <= 1.0 + MARGINAL
+
+    def document(self) -> dict[str, float | bool | None]:
+        """Return it as plain JSON values."""
+        return {
+            "radius": self.radius,
+            "bounded": self.bounded,
+            "gamma": self.gamma,
+            "gamma_limit": self.limit,
+        }
+
+
+def _switches(packed: Packed, name: str, switching: str) -> bool:
+    return getattr(packed.experiment.lanes[name], "switching", "") == switching
+
+
+def _has_gamma(packed: Packed, name: str) -> bool:
+    lane = packed.experiment.lanes[name]
+    return not _switches(packed, name, "sign") and getattr(lane, "reaching", "") != "power"
+
+
+def _outside(packed: Packed, name: str) -> Array | None:
+    """Return a lane's gains without a layer: what is left of the reaching law is proportional."""
+    lane = packed.experiment.lanes[name]
+    if not hasattr(lane, "epsilon"):
+        return None
+    flat = {"switching": "tanh", "epsilon": np.inf}
+    gains: Array = lane.model_copy(update=flat).pack()
+    return gains
+
+
+def _instants(packed: Packed) -> Array:
+    return np.linspace(0.0, packed.experiment.simulation.horizon, _POSES)
+
+
+def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
+    """Return what one control period does to a small deviation from the desired motion.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane; one that switches by sign has no layer, and only its proportional part.
+        time: when, in [s].
+    """
+    outside, quiet = _outside(packed, name), calm(packed)
+    if _switches(packed, name, "sign") and outside is not None:
+        quiet = replace(quiet, gains={**quiet.gains, name: outside})
+    return Around(quiet, name, time).map(outside)
+
+
+def _worst(packed: Packed, name: str) -> tuple[float, PeriodMap]:
+    """Return when along the desired motion the loop is closest to its border, and its map."""
+    maps = [(time, period_map(packed, name, time)) for time in _instants(packed).tolist()]
+    return max(maps, key=lambda found: found[1].radius())
+
+
+def loop_margin(packed: Packed, name: str) -> Margin:
+    """Return how a lane's sampled loop stands, at the worst instant of its desired motion.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+    """
+    _, found = _worst(packed, name)
+    if not _has_gamma(packed, name):
+        return _margin(packed, name, found, None, None)
+    # The slowest motion and the weakest joint need not stand at the same instant.
+    times = _instants(packed).tolist()
+    gammas = [sampling_margin(packed, name, _pose(packed, time)) for time in times]
+    worst = int(np.argmax(gammas))
+    limit = gammas[worst] * _border(period_map(packed, name, times[worst]))
+    return _margin(packed, name, found, gammas[worst], limit)
+
+
+def margin_at(packed: Packed, name: str, time: float) -> Margin:
+    """Return how a lane's sampled loop stands at one instant of its desired motion, in [s]."""
+    found = period_map(packed, name, time)
+    if not _has_gamma(packed, name):
+        return _margin(packed, name, found, None, None)
+    gamma = sampling_margin(packed, name, _pose(packed, time))
+    return _margin(packed, name, found, gamma, gamma * _border(found))
+
+
+def _margin(
+    packed: Packed, name: str, found: PeriodMap, gamma: float | None, limit: float | None
+) -> Margin:
+    radius = found.radius()
+    bounded = any(found.stable(switching=share) for share in (*_WEAKER, 0.0))
+    if _switches(packed, name, "sign"):
+        # It always oscillates. Whether that has an end is up to the rest and to a torque of k2.
+        return Margin(None, bounded or _is_held(packed, name), None, None)
+    return Margin(radius, bounded, gamma, limit)
+
+
+def _is_held(packed: Packed, name: str) -> bool:
+    """Tell whether some slope of the switching term, which sign passes through, would hold."""
+    lane = packed.experiment.lanes[name]
+    wide = lane.model_copy(update={"switching": "tanh", "epsilon": 1.0})
+    smooth = packed.experiment.model_copy(update={"lanes": {**packed.experiment.lanes, name: wide}})
+    other = replace(packed, experiment=smooth, gains={**packed.gains, name: wide.pack()})
+    _, found = _worst(other, name)
+    shares = np.geomspace(1e-4, 1e4, 25)
+    return any(found.stable(switching=share) for share in shares)
+
+
+def _pose(packed: Packed, time: float) -> Array:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    reference(time, packed.trajectory, work)
+    pose: Array = work[QD].copy()
+    return pose
+
+
+def _border(found: PeriodMap) -> float:
+    """Return by how much all reaching gains may be multiplied until the loop leaves its border."""
+
+    def leaves(factor: float) -> bool:
+        return not found.stable(factor, factor)
+
+    low, high = (1.0, 2.0) if not leaves(1.0) else (0.5, 1.0)
+    while low < 1e9 and not leaves(high):
+        low, high = high, 2.0 * high
+    while low > 1e-9 and leaves(low):
+        low, high = 0.5 * low, low
+    if low <= 1e-9:
+        return 0.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if leaves(middle) else (middle, high)
+    return low
+
+
+def is_stable(packed: Packed, name: str) -> bool:
+    """Tell whether a lane's sampled loop lets small deviations die out, all along its motion."""
+    times = _instants(packed).tolist()
+    return not _switches(packed, name, "sign") and all(
+        period_map(packed, name, time).stable() for time in times
+    )
+
+
+def _sufficient(
+    packed: Packed, name: str, changed: Callable[[float], Packed], most: float
+) -> float | None:
+    """Return the least factor, found by a scan and a bisection, that makes the loop stable.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        changed: returns the experiment with something that many times as great.
+        most: greatest factor.
+    """
+    time, _ = _worst(packed, name)
+
+    def holds(factor: float) -> bool:
+        return period_map(changed(factor), name, time).stable()
+
+    low, high = 1.0, 1.0
+    while not holds(high):
+        if high >= most:
+            return None
+        low, high = high, min(1.25 * high, most)
+    while high / low > 1.01:
+        middle = float(np.sqrt(low * high))
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    for slack in (1.0, 1.02, 1.1, 1.5):
+        if slack * high <= most and is_stable(changed(slack * high), name):
+            return slack * high
+    return None
+
+
+def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
+    """Tell whether a loop would be stable at a rate past all layers and without a delay.
+
+    Then it is the sampling that makes it diverge; else no control rate is to blame.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        time: when along the desired motion, in [s].
+    """
+    simulation = packed.experiment.simulation.model_copy(update={"input_delay": 0.0})
+    prompt = packed.experiment.model_copy(update={"simulation": simulation})
+    fast = at_rate(replace(packed, experiment=prompt), _UNSAMPLED)
+    return (period_map(fast, name, time).radius() - 1.0) * _UNSAMPLED < _SLOW
+
+
+def at_rate(packed: Packed, rate: float) -> Packed:
+    """Return the experiment at another control rate in [Hz]."""
+    simulation = packed.experiment.simulation.model_copy(update={"control_rate": rate})
+    return replace(
+        packed, experiment=packed.experiment.model_copy(update={"simulation": simulation})
+    )
+
+
+def sufficient_rate(packed: Packed, name: str) -> float | None:
+    """Return a control rate in [Hz] at which a lane's loop is stable, or ``None``.
 
     A delay in seconds takes more periods at a higher rate, so that there may be none.
 
     Args:
-        simulation: what is used now.
-        gamma: sampling margin at the control rate used now.
+        packed: the experiment as numbers.
+        name: the lane.
     """
-    rate = simulation.control_rate
-    if gamma * rate * simulation.input_delay >= 0.5 * np.pi:
-        return None
-    while rate <= _FASTEST:
-        # Half a percent above the border, in whole hertz, which is what a screen shows.
-        candidate = float(np.ceil(1.005 * rate))
-        trial = simulation.model_copy(update={"control_rate": candidate})
-        if gamma * simulation.control_rate / candidate < margin_limit(trial):
-            return candidate
-        rate = max(1.05 * rate, gamma * simulation.control_rate / MARGIN_LIMIT)
-    return None
+    rate = packed.experiment.simulation.control_rate
+    _, most = bounds(Simulation, "control_rate")
+
+    def faster(factor: float) -> Packed:
+        return at_rate(packed, _whole(factor * rate, most))
+
+    factor = _sufficient(packed, name, faster, most / rate)
+    return None if factor is None else _whole(factor * rate, most)
 
 
-def _poses(packed: Packed) -> list[Array]:
-    """Return joint angles along the desired trajectory in [rad]. Shapes (6,)."""
-    work = np.zeros((WORK_ROWS, JOINTS))
-    poses = []
-    for t in np.linspace(0.0, packed.experiment.simulation.horizon, _POSES):
-        reference(t, packed.trajectory, work)
-        poses.append(work[QD].copy())
-    return poses
-
-
-def worst_margin(packed: Packed, name: str) -> float:
-    """Return the largest sampling margin along the desired trajectory."""
-    return max(sampling_margin(packed, name, pose) for pose in _poses(packed))
+def _whole(rate: float, most: float) -> float:
+    """Return the next whole number of hertz, which is what a screen shows."""
+    return float(min(np.ceil(rate), most))
 
 
 def with_layer(packed: Packed, name: str, factor: float) -> Packed:
@@ -144,58 +354,49 @@ def with_layer(packed: Packed, name: str, factor: float) -> Packed:
     Args:
         packed: the experiment as numbers.
         name: a lane that switches.
-        factor: infinity takes all slope from tanh and from saturation.
+        factor: how many times.
     """
     lane = packed.experiment.lanes[name]
     width = tuple(np.broadcast_to(np.multiply(lane.epsilon, factor), JOINTS).tolist())
-    gains = lane.model_copy(update={"epsilon": width}).pack()
-    return replace(packed, gains={**packed.gains, name: gains})
+    wide = lane.model_copy(update={"epsilon": width})
+    lanes = {**packed.experiment.lanes, name: wide}
+    experiment = packed.experiment.model_copy(update={"lanes": lanes})
+    return replace(packed, experiment=experiment, gains={**packed.gains, name: wide.pack()})
 
 
 def sufficient_layer(packed: Packed, name: str) -> float | list[float] | None:
-    r"""Return the narrowest boundary layer in [rad/s] at which a sampled loop is stable.
+    """Return a boundary layer in [rad/s], hardly wider than it must be, that makes a loop stable.
 
-    Every joint's is widened alike; :math:`\gamma` falls with :math:`k_1 + k_2/\epsilon`.
+    Every joint's is widened alike.
 
     Args:
         packed: the experiment as numbers.
         name: a lane that switches by tanh or saturation.
 
     Returns:
-        One number or six, as the lane has it; ``None`` where :math:`k_1` is half of the trouble
-        or too much alone, or where it would take more than 10 rad/s.
+        One number or six, as the lane has it; ``None`` where no layer does.
     """
-    lane, limit = packed.experiment.lanes[name], margin_limit(packed.experiment.simulation)
-    pose = max(_poses(packed), key=lambda q: sampling_margin(packed, name, q))
-    present = sampling_margin(packed, name, pose)
-    alone = sampling_margin(with_layer(packed, name, np.inf), name, pose)
-    if alone > min(0.9 * limit, 0.5 * present):
+    present = packed.experiment.lanes[name].epsilon
+    _, most = bounds(type(packed.experiment.lanes[name]), "epsilon")
+    widest = most / float(np.max(present))
+    factor = _sufficient(packed, name, lambda wide: with_layer(packed, name, wide), widest)
+    if factor is None:
         return None
-    # Eigenvalues of a sum lie below the sum of the eigenvalues: two bounds for a bisection.
-    low = max(1.0, (present - alone) / limit)
-    high = max(low, present / (limit - alone))
-    while high / low > 1.01:
-        middle = float(np.sqrt(low * high))
-        narrow = sampling_margin(with_layer(packed, name, middle), name, pose) >= limit
-        low, high = (middle, high) if narrow else (low, middle)
-    return _proposed(packed, name, high, lane.epsilon)
-
-
-def _proposed(
-    packed: Packed, name: str, factor: float, present: float | tuple[float, ...]
-) -> float | list[float] | None:
-    """Return the widened layer in numbers of two digits, if it holds at every pose."""
-    limit = margin_limit(packed.experiment.simulation)
-    for slack in (1.0, 1.02, 1.1, 1.5):
-        wide = slack * factor
-        if worst_margin(with_layer(packed, name, wide), name) < limit:
-            widened = [_rounded_up(e * wide) for e in np.atleast_1d(present)]
-            listed = widened if isinstance(present, tuple) else widened[0]
-            return listed if max(widened) <= _WIDEST else None
-    return None
+    widened = [min(_rounded_up(e * factor), most) for e in np.atleast_1d(present).tolist()]
+    return widened if isinstance(present, tuple) else widened[0]
 
 
 def _rounded_up(value: float) -> float:
     """Return the next number of two digits that isn't smaller."""
     unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
     return float(f"{np.ceil(value / unit - 1e-9) * unit:.2g}")
+
+
+def _poses(packed: Packed) -> list[Array]:
+    """Return joint angles along the desired trajectory in [rad]. Shapes (6,)."""
+    return [_pose(packed, time) for time in _instants(packed).tolist()]
+
+
+def worst_margin(packed: Packed, name: str) -> float:
+    """Return the largest sampling margin along the desired trajectory."""
+    return max(sampling_margin(packed, name, pose) for pose in _poses(packed))

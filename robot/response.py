@@ -134,6 +134,7 @@ def lane_response(
             "joint": freeze.joint,
             "cause": freeze.cause,
             "gamma": freeze.gamma,
+            "radius": freeze.radius,
         }
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)

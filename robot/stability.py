@@ -10,27 +10,11 @@ import numpy as np
 
 from robot.experiment import MAX_STEPS, Experiment
 from robot.field_path import field_path
-from robot.margin import (
-    margin_limit,
-    sampling_margin,
-    sufficient_layer,
-    sufficient_rate,
-    worst_margin,
-)
+from robot.margin import Margin, is_stable, loop_margin, sufficient_layer, sufficient_rate
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.torque_need import initial_torque, required_torque, start
 from robot.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
-
-__all__ = [
-    "Note",
-    "initial_torque",
-    "margin_limit",
-    "notes",
-    "sampling_margin",
-    "sufficient_rate",
-    "worst_margin",
-]
 
 Array = np.ndarray
 
@@ -65,30 +49,50 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
     if simulation.mode != "sampled":
         return
-    gamma, limit = worst_margin(packed, name), margin_limit(simulation)
-    if gamma <= limit:
+    margin = loop_margin(packed, name)
+    if margin.stable or (margin.radius is None and margin.bounded):
         return
-    late = " with this input delay" if simulation.input_delay else ""
-    rule = f"γ = {_short(gamma)}, and a sampled loop{late} needs less than {_short(limit)}: expect "
-    rate = sufficient_rate(simulation, gamma)
+    expected = "a limit cycle" if margin.bounded else "divergence"
+    rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {expected}. "
+    if margin.radius is None:
+        yield Note("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
+        return
+    rate = sufficient_rate(packed, name)
     layer = sufficient_layer(packed, name) if hasattr(lane, "epsilon") else None
     if layer is not None:
         wide = f"{_span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
-        text = f"{rule}a limit cycle. Most of it is k₂/ε: it would take ε = {wide}{instead}."
+        text = f"{rule}Most of it is k₂/ε: it would take ε = {wide}{instead}."
         path = field_path(("lanes", name, "epsilon"))
         yield Note("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
         return
     ways = [] if rate is None else [f"{rate:g} Hz"]
-    ways += [f"gains {_short(gamma / limit)} times lower", "more armature"]
-    ways += ["a shorter delay"] if late else []
+    if margin.limit:
+        lower = 1.01 * (margin.gamma or 0.0) / margin.limit
+        ways.append(f"reaching gains {_short(lower)} times lower")
+    ways += ["lower gains of the surface"] if not margin.limit else []
+    ways += ["a shorter delay"] if simulation.input_delay else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Note(
         "warning",
         "simulation.control_rate",
-        f"{rule}divergence or a limit cycle. It would take {', '.join(ways[:-1])} or {ways[-1]}.",
+        f"{rule}It would take {' or '.join(ways)}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
+
+
+def _rule(margin: Margin, late: bool) -> str:
+    """Say in words why a loop is not stable."""
+    delay = " with this delay" if late else ""
+    if margin.radius is None:
+        return "Apart from sign(S), this loop grows by itself at this rate" + delay
+    rule = f"From one sample to the next deviations grow by up to ρ = {margin.radius:.5g}"
+    if margin.gamma is None or margin.limit is None:
+        return rule
+    gamma = _short(margin.gamma)
+    if margin.limit == 0.0:
+        return f"{rule}, whatever the reaching gains (γ = {gamma})"
+    return f"{rule} (γ = {gamma}, this loop's border{delay} is {_short(margin.limit)})"
 
 
 def _short(value: float) -> str:
@@ -108,7 +112,7 @@ def _sign(packed: Packed, name: str) -> Iterator[Note]:
     smooth = packed.experiment.patched({"lanes": {name: {"switching": "tanh"}}})
     change: dict[str, Any] = {"switching": "tanh"}
     other = pack(smooth)
-    if worst_margin(other, name) > margin_limit(simulation):
+    if not is_stable(other, name):
         layer = sufficient_layer(other, name)
         if layer is None:
             return
@@ -213,19 +217,6 @@ def _calmer_start(packed: Packed, name: str, able: Array) -> dict[str, Any] | No
     return None
 
 
-def _wrists(packed: Packed, name: str) -> Iterator[Note]:
-    robot, simulation = packed.experiment.robot, packed.experiment.simulation
-    light = robot.torque_limit is not None and np.min(robot.armature) < 0.01
-    if simulation.mode == "continuous" and light and simulation.step > 0.0001:
-        yield Note(
-            "warning",
-            "robot.armature",
-            "Torque limits on wrists without armature need a step of 0.1 ms or less: add "
-            "armature or shorten the step.",
-            {"simulation": {"step": 0.0001}} if simulation.horizon <= 0.0001 * MAX_STEPS else None,
-        )
-
-
 def _blindness(packed: Packed, name: str) -> Iterator[Note]:
     lane = packed.experiment.lanes[name]
     if hasattr(lane, "width") and np.min(lane.width) < 0.35 * 2.0 * lane.center_span / 9.0:
@@ -297,22 +288,11 @@ def _sampled(experiment: Experiment) -> dict[str, Any] | None:
     simulation = experiment.simulation.model_copy(update=patch["simulation"])
     if simulation.horizon / simulation.row_period > MAX_STEPS:
         return None
-    packed, limit = pack(experiment.patched(patch)), margin_limit(simulation)
-    stable = all(worst_margin(packed, name) < limit for name in experiment.lanes)
-    return patch if stable else None
+    packed = pack(experiment.patched(patch))
+    return patch if all(is_stable(packed, name) for name in experiment.lanes) else None
 
 
 def notes(packed: Packed, name: str) -> list[Note]:
     """Return all remarks on one lane's numbers; an empty list says that nothing is amiss."""
-    checks = (
-        _sampling,
-        _sign,
-        _convergence,
-        _motion,
-        _start,
-        _wrists,
-        _blindness,
-        _windup,
-        _unused,
-    )
+    checks = (_sampling, _sign, _convergence, _motion, _start, _blindness, _windup, _unused)
     return [note for check in checks for note in check(packed, name)]

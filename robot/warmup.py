@@ -7,9 +7,9 @@ from collections.abc import Callable
 from robot.compiled import mark_warm
 from robot.experiment import Experiment
 from robot.laws import LAWS
+from robot.margin import loop_margin
 from robot.packed import pack
 from robot.simulate import simulate
-from robot.stability import worst_margin
 
 Progress = Callable[[int, int, str], None]
 
@@ -31,7 +31,7 @@ def warm_up(progress: Progress | None = None) -> None:
             progress(number, len(parts), f"{LAWS[law].title}, {mode}")
         experiment = _experiment(law, mode)
         simulate(experiment, estimate=False)
-        worst_margin(pack(experiment), "A")
+        loop_margin(pack(experiment), "A")
     mark_warm()
     if progress is not None:
         progress(len(parts), len(parts), "")

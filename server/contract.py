@@ -82,6 +82,9 @@ class LaneStatus(BaseModel):
     joint: int | None
     cause: str | None
     gamma: float | None = Field(description="Sampling margin where that is the reason.")
+    radius: float | None = Field(
+        description="Spectral radius of one control period where that is the reason."
+    )
 
 
 class SessionState(BaseModel):

@@ -12,10 +12,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robot.packed import pack
+from robot.margin import loop_margin
+from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.simulate import LaneRun, Run
-from robot.stability import notes, worst_margin
+from robot.stability import notes
 from robot.version import __version__
 
 Document = dict[str, Any]
@@ -62,7 +63,7 @@ def report(run: Run, since: float = 0.0) -> Document:
         name: {
             "metrics": _metrics(lane, since),
             "frozen": None if lane.freeze is None else asdict(lane.freeze),
-            "gamma": worst_margin(packed, name),
+            **_margin(packed, name),
             "notes": [asdict(note) for note in notes(packed, name)],
         }
         for name, lane in run.lanes.items()
@@ -74,6 +75,14 @@ def report(run: Run, since: float = 0.0) -> Document:
         "lanes": lanes,
         "experiment": run.experiment.document(),
     }
+
+
+def _margin(packed: Packed, name: str) -> Document:
+    """Return how a lane's sampled loop stands; continuous mode has no control period."""
+    if packed.experiment.simulation.mode != "sampled":
+        return {"gamma": None, "margin": None}
+    margin = loop_margin(packed, name)
+    return {"gamma": margin.gamma, "margin": margin.document()}
 
 
 def _metrics(lane: LaneRun, since: float) -> Document | None:

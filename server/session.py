@@ -332,11 +332,12 @@ def _come_first() -> None:
 
 def _status(freeze: Freeze | None) -> dict[str, Any]:
     if freeze is None:
-        return {"status": "running", "time": None, "joint": None, "cause": None, "gamma": None}
+        return {"status": "running", **dict.fromkeys(("time", "joint", "cause", "gamma", "radius"))}
     return {
         "status": "frozen",
         "time": freeze.time,
         "joint": freeze.joint,
         "cause": freeze.cause,
         "gamma": freeze.gamma,
+        "radius": freeze.radius,
     }

@@ -11,8 +11,9 @@ from typing import Any
 from robot import __version__
 from robot.experiment import Experiment
 from robot.laws import LAWS
+from robot.margin import loop_margin
 from robot.packed import Packed, pack
-from robot.stability import notes, worst_margin
+from robot.stability import notes
 from server.colors import LaneColors
 from server.document import Document
 from server.edit_history import EditHistory
@@ -32,15 +33,17 @@ def law_infos() -> list[dict[str, Any]]:
     return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
 
 
-_NO_REMARKS: dict[str, Any] = {"gamma": None, "notes": []}
+_NO_REMARKS: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
 
 
 def _remarks(packed: Packed, name: str) -> dict[str, Any]:
-    """Return sampling margin and remarks of a lane; a law that fails has none."""
+    """Return margin and remarks of a lane; a law that fails has none."""
     sampled = packed.experiment.simulation.mode == "sampled"
     try:
+        margin = loop_margin(packed, name) if sampled else None
         return {
-            "gamma": worst_margin(packed, name) if sampled else None,
+            "gamma": margin and margin.gamma,
+            "margin": margin and margin.document(),
             "notes": [asdict(note) for note in notes(packed, name)],
         }
     except Exception:

@@ -14,12 +14,12 @@ from robot.compiled import kernel
 from robot.experiment import Experiment, LaneName
 from robot.laws import LAWS
 from robot.laws.law import Law
+from robot.margin import sampling_margin
 from robot.merge_patch import merge_patch
 from robot.network import no_network
 from robot.packed import pack
 from robot.quantity import JOINTS, PerJoint, Section, field
 from robot.simulate import LaneRun, simulate
-from robot.stability import sampling_margin
 from robot.stages import begin, command, finish, observe
 from robot.surface import LinearSurface, linear_surface
 from robot.wiring import law_arrays

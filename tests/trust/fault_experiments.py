@@ -204,8 +204,8 @@ FAULTS = (
     Fault(
         "random-runs",
         "Random experiments within the schema's bounds, whole runs",
-        "Each runs, freezes with a cause, or is refused by the field's name; none crashes; each tells "
-        "its error, which a run at a quarter of its step (of every fifth) bears out",
+        "Each runs, freezes with a cause, or is refused by the field's name; none crashes; each "
+        "tells its error, which a run at a quarter of its step (of every fifth) bears out",
         run_random,
     ),
     Fault(
