@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from robot.cutting import LIVE_HALVINGS, Cutting
 from robot.lane import Lane
 from robot.packed import Packed
-from robot.steps import LIVE_HALVINGS, Cutting
 from robot.workspace import RECORD_COLUMNS
 
 Array = np.ndarray

@@ -18,24 +18,13 @@ from __future__ import annotations
 from math import inf, isfinite, tanh
 
 from robot.compiled import kernel
-from robot.disturbance import COULOMB, COULOMB_WIDTH, LIMIT, VISCOUS
+from robot.disturbance import COULOMB, COULOMB_WIDTH, LIMIT
 from robot.elimination import solve
+from robot.joint_curve import balance, joint_curve, limited, lost_torque
 from robot.quantity import JOINTS
-from robot.switching import (
-    CODES,
-    IS_REACHING,
-    K2,
-    POWER,
-    REACHING_CODE,
-    SIGN,
-    SWITCHING_CODE,
-    reaching,
-)
 from robot.workspace import (
     ACCELERATION,
     APPLIED,
-    CURVE,
-    CURVE_ROWS,
     ERRORS,
     F_SLOPE,
     FLAGS,
@@ -73,138 +62,6 @@ _AIM = 1e-12
 """What its iterations go on for, as long as they are worth it, in [rad/s] (*ours*)."""
 _ITERATIONS = 60
 _HALVINGS = 6
-_SCALAR_ITERATIONS = 100
-_EXACT = 1e-14
-"""Relative change at which one joint's own equation counts as solved (*ours*)."""
-
-
-@kernel
-def reaching_at(s, j, work):  # type: ignore[no-untyped-def]
-    """Return the reaching law of joint ``j`` at ``s`` and its slope; linear if only that is known.
-
-    A law that calls ``robot.switching.reach`` leaves the whole curve in CURVE. One that writes
-    REACH and GAIN itself is taken to be linear in S.
-    """
-    curve = work[CURVE : CURVE + CURVE_ROWS]
-    if curve[CODES, IS_REACHING] == 0.0:
-        return work[REACH, j] + work[GAIN, j] * (s - work[S, j]), work[GAIN, j]
-    return reaching(curve, j, s)
-
-
-@kernel
-def _lost(a, j, h, base, world, work):  # type: ignore[no-untyped-def]
-    """Return the torque that the world takes from joint ``j`` at acceleration ``a``; its slope."""
-    slope = h * world[VISCOUS, j]
-    torque, coulomb = work[LOST, j] + slope * a, world[COULOMB, j]
-    if coulomb != 0.0:
-        rubbing = tanh((work[base + V, j] + h * a) / COULOMB_WIDTH)
-        torque += coulomb * rubbing
-        slope += h * coulomb * (1.0 - rubbing * rubbing) / COULOMB_WIDTH
-    return torque, slope
-
-
-@kernel
-def _limited(torque, limit):  # type: ignore[no-untyped-def]
-    """Return a torque within its limit, and 0 where the limit holds it, else 1."""
-    if torque > limit:
-        return limit, 0.0
-    if torque < -limit:
-        return -limit, 0.0
-    return torque, 1.0
-
-
-@kernel
-def _curve(a, j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
-    """Return G_j(a) in [N m] and its slope, not negative.
-
-    Where SHAPE spreads the reaching law over all joints, it is the reaching law alone.
-    """
-    if work[FLAGS, HOLD] != 0.0:
-        torque, slope = _lost(a, j, h, base, world, work)
-        return bias[j] + torque - work[APPLIED, j], slope
-    s, fall = work[S_FREE, j] - work[S_FALL, j] * a, work[S_FALL, j]
-    value, steepness = reaching_at(s, j, work)
-    if work[FLAGS, SHAPED] != 0.0:
-        return -value, fall * steepness
-    learning = h * work[NETWORK_SLOPE, j]
-    given, free = _limited(work[GIVEN, j] + value + learning * s, world[LIMIT, j])
-    torque, slope = _lost(a, j, h, base, world, work)
-    return bias[j] + torque - given, slope + free * fall * (steepness + learning)
-
-
-@kernel
-def _jump(j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
-    """Return where the curve of joint ``j`` jumps, and its values before and after.
-
-    Only sign(S) jumps; ``inf`` says that there is none.
-    """
-    curve, fall = work[CURVE : CURVE + CURVE_ROWS], work[S_FALL, j]
-    jumps = curve[CODES, IS_REACHING] != 0.0 and curve[CODES, SWITCHING_CODE] == SIGN
-    if not jumps or curve[CODES, REACHING_CODE] == POWER or fall == 0.0:
-        return inf, 0.0, 0.0
-    if work[FLAGS, HOLD] != 0.0:
-        return inf, 0.0, 0.0
-    a, k2 = work[S_FREE, j] / fall, curve[K2, j]
-    if work[FLAGS, SHAPED] != 0.0:
-        return a, -k2, k2
-    torque, _ = _lost(a, j, h, base, world, work)
-    before, _ = _limited(work[GIVEN, j] + k2, world[LIMIT, j])
-    after, _ = _limited(work[GIVEN, j] - k2, world[LIMIT, j])
-    return a, bias[j] + torque - before, bias[j] + torque - after
-
-
-@kernel
-def _balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
-    """Solve ``m a + G_j(a) = LOAD`` of one joint; write ACCELERATION and YIELD.
-
-    A bracket and Newton's method: where a step leaves the bracket, its middle is taken.
-    """
-    load, low, high = work[LOAD, j], -inf, inf
-    at, before, after = _jump(j, h, base, bias, world, work)
-    if at != inf:
-        if m * at + before <= load <= m * at + after:
-            work[ACCELERATION, j], work[YIELD, j], work[SLIDING, j] = at, 0.0, 1.0
-            return
-        if load < m * at + before:
-            high = at
-        else:
-            low = at
-    elif work[S_FALL, j] > 0.0:
-        # The curve is steepest at S = 0: started there, Newton's method comes from one side.
-        pivot = work[S_FREE, j] / work[S_FALL, j]
-        value, _ = _curve(pivot, j, h, base, bias, world, work)
-        if m * pivot + value > load:
-            high = pivot
-        else:
-            low = pivot
-    if world[COULOMB, j] != 0.0:
-        pivot = -work[base + V, j] / h
-        if low < pivot < high:
-            value, _ = _curve(pivot, j, h, base, bias, world, work)
-            if m * pivot + value > load:
-                high = pivot
-            else:
-                low = pivot
-    a = work[ACCELERATION, j]
-    if not low < a < high:
-        a = low if low != -inf else high
-    slope = m
-    for _ in range(_SCALAR_ITERATIONS):
-        value, steepness = _curve(a, j, h, base, bias, world, work)
-        wrong, slope = m * a + value - load, m + steepness
-        if wrong > 0.0:
-            high = a
-        else:
-            low = a
-        step = wrong / slope
-        better = a - step
-        if not low <= better <= high:
-            better = 0.5 * (low + high)
-        if abs(better - a) <= _EXACT * (abs(a) + 1.0):
-            a = better
-            break
-        a = better
-    work[ACCELERATION, j], work[YIELD, j], work[SLIDING, j] = a, 1.0 / slope, 0.0
 
 
 @kernel
@@ -224,7 +81,7 @@ def _shaped_torque(i, h, world, inertia, work):  # type: ignore[no-untyped-def]
     for j in range(JOINTS):
         reached = _weight(j, inertia, work) * work[ACCELERATION, j] - work[LOAD, j]
         torque += work[SHAPE + i, j] * reached
-    return _limited(torque, world[LIMIT, i])
+    return limited(torque, world[LIMIT, i])
 
 
 @kernel
@@ -239,7 +96,7 @@ def _measure(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-de
                 left += inertia[i, k] * work[ACCELERATION, k]
         if shaped:
             given, _ = _shaped_torque(i, h, world, inertia, work)
-            torque, _ = _lost(work[ACCELERATION, i], i, h, base, world, work)
+            torque, _ = lost_torque(work[ACCELERATION, i], i, h, base, world, work)
             left += inertia[i, i] * work[ACCELERATION, i] + bias[i] + torque - given
         else:
             left += work[LOAD, i]
@@ -251,7 +108,7 @@ def _measure(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-de
 @kernel
 def _balance_all(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
     for j in range(JOINTS):
-        _balance(j, _weight(j, inertia, work), h, base, bias, world, work)
+        balance(j, _weight(j, inertia, work), h, base, bias, world, work)
     return _measure(h, base, inertia, bias, world, work)
 
 
@@ -264,7 +121,7 @@ def _newton_direction(h, base, inertia, world, work):  # type: ignore[no-untyped
         free, slope = 0.0, 0.0
         if shaped:
             _, free = _shaped_torque(i, h, world, inertia, work)
-            _, slope = _lost(work[ACCELERATION, i], i, h, base, world, work)
+            _, slope = lost_torque(work[ACCELERATION, i], i, h, base, world, work)
         for k in range(JOINTS):
             yielding = work[YIELD, k]
             entry = inertia[i, k] * yielding
@@ -288,7 +145,7 @@ def _sweep(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
             if k != j:
                 load -= inertia[j, k] * work[ACCELERATION, k]
         work[LOAD, j] = load
-        _balance(j, inertia[j, j], h, base, bias, world, work)
+        balance(j, inertia[j, j], h, base, bias, world, work)
 
 
 @kernel
@@ -327,12 +184,12 @@ def _passed(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def
         if work[FLAGS, HOLD] != 0.0:
             before -= work[APPLIED, j]
         else:
-            given, free = _limited(work[TAU, j], world[LIMIT, j])
+            given, free = limited(work[TAU, j], world[LIMIT, j])
             before -= given
             slope += free * work[S_FALL, j] * (work[GAIN, j] + h * work[NETWORK_SLOPE, j])
             start = (work[S_FREE, j] - work[S, j]) / work[S_FALL, j]
             way = max(way, abs(work[ACCELERATION, j] - start))
-        after, steepness = _curve(work[ACCELERATION, j], j, h, base, bias, world, work)
+        after, steepness = joint_curve(work[ACCELERATION, j], j, h, base, bias, world, work)
         if work[SLIDING, j] == 0.0:
             steepest = max(slope, steepness)
             more = max(0.0, abs(after - before) - steepest * way)
@@ -356,7 +213,7 @@ def _keep_held_torque(h, base, inertia, bias, world, work):  # type: ignore[no-u
             work[SLIDING, j] = 1.0
         elif work[SLIDING, j] != 0.0:
             a = work[ACCELERATION, j]
-            torque, _ = _lost(a, j, h, base, world, work)
+            torque, _ = lost_torque(a, j, h, base, world, work)
             work[HELD_TORQUE, j] = bias[j] + torque - (work[LOAD, j] - inertia[j, j] * a)
 
 
@@ -380,7 +237,7 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
     if shaped:
         for j in range(JOINTS):
             a = work[ACCELERATION, j]
-            value, _ = _curve(a, j, h, base, bias, world, work)
+            value, _ = joint_curve(a, j, h, base, bias, world, work)
             work[LOAD, j] = _weight(j, inertia, work) * a + value
     else:
         _sweep(h, base, inertia, bias, world, work)

@@ -14,7 +14,8 @@ from math import inf, isfinite, tanh
 from robot.compiled import kernel
 from robot.disturbance import BITS, COMMON, COULOMB, COULOMB_WIDTH, KINKS, LIMIT
 from robot.elimination import solve, solve_symmetric
-from robot.implicit_solve import SOLVED, reaching_at, solve_curves
+from robot.implicit_solve import SOLVED, solve_curves
+from robot.joint_curve import reaching_at
 from robot.quantity import JOINTS
 from robot.switching import (
     CODES,

@@ -6,7 +6,6 @@ below 1. Gamma is the textbook's number, which sees the reaching law alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from robot.experiment import Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.period_map import MARGINAL, Around, PeriodMap, calm
-from robot.quantity import JOINTS, bounds
+from robot.quantity import JOINTS
 from robot.trajectory import QUINTIC, reference
 from robot.wiring import wire
 from robot.workspace import FLAGS, GAIN, QD, RECORD_COLUMNS, S_V, SHAPE, WORK_ROWS, Q, V
@@ -181,7 +180,7 @@ def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
     return Around(quiet, name, time).map(outside)
 
 
-def _worst(packed: Packed, name: str) -> tuple[float, PeriodMap]:
+def worst_instant(packed: Packed, name: str) -> tuple[float, PeriodMap]:
     """Return when along the desired motion the loop is closest to its border, and its map."""
     maps = [(time, period_map(packed, name, time)) for time in _instants(packed).tolist()]
     return max(maps, key=lambda found: found[1].radius())
@@ -194,7 +193,7 @@ def loop_margin(packed: Packed, name: str) -> Margin:
         packed: the experiment as numbers.
         name: the lane.
     """
-    _, found = _worst(packed, name)
+    _, found = worst_instant(packed, name)
     if not _has_gamma(packed, name):
         return _margin(packed, name, found, None, None)
     # The slowest motion and the weakest joint need not stand at the same instant.
@@ -231,7 +230,7 @@ def _is_held(packed: Packed, name: str) -> bool:
     wide = lane.model_copy(update={"switching": "tanh", "epsilon": 1.0})
     smooth = packed.experiment.model_copy(update={"lanes": {**packed.experiment.lanes, name: wide}})
     other = replace(packed, experiment=smooth, gains={**packed.gains, name: wide.pack()})
-    _, found = _worst(other, name)
+    _, found = worst_instant(other, name)
     shares = np.geomspace(1e-4, 1e4, 25)
     return any(found.stable(switching=share) for share in shares)
 
@@ -270,36 +269,6 @@ def is_stable(packed: Packed, name: str) -> bool:
     )
 
 
-def _sufficient(
-    packed: Packed, name: str, changed: Callable[[float], Packed], most: float
-) -> float | None:
-    """Return the least factor, found by a scan and a bisection, that makes the loop stable.
-
-    Args:
-        packed: the experiment as numbers.
-        name: the lane.
-        changed: returns the experiment with something that many times as great.
-        most: greatest factor.
-    """
-    time, _ = _worst(packed, name)
-
-    def holds(factor: float) -> bool:
-        return period_map(changed(factor), name, time).stable()
-
-    low, high = 1.0, 1.0
-    while not holds(high):
-        if high >= most:
-            return None
-        low, high = high, min(1.25 * high, most)
-    while high / low > 1.01:
-        middle = float(np.sqrt(low * high))
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    for slack in (1.0, 1.02, 1.1, 1.5):
-        if slack * high <= most and is_stable(changed(slack * high), name):
-            return slack * high
-    return None
-
-
 def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
     """Tell whether a loop would be stable at a rate past all layers and without a delay.
 
@@ -322,74 +291,6 @@ def at_rate(packed: Packed, rate: float) -> Packed:
     return replace(
         packed, experiment=packed.experiment.model_copy(update={"simulation": simulation})
     )
-
-
-def sufficient_rate(packed: Packed, name: str) -> float | None:
-    """Return a control rate in [Hz] at which a lane's loop is stable, or ``None``.
-
-    A delay in seconds takes more periods at a higher rate, so that there may be none.
-
-    Args:
-        packed: the experiment as numbers.
-        name: the lane.
-    """
-    rate = packed.experiment.simulation.control_rate
-    _, most = bounds(Simulation, "control_rate")
-
-    def faster(factor: float) -> Packed:
-        return at_rate(packed, _whole(factor * rate, most))
-
-    factor = _sufficient(packed, name, faster, most / rate)
-    return None if factor is None else _whole(factor * rate, most)
-
-
-def _whole(rate: float, most: float) -> float:
-    """Return the next whole number of hertz, which is what a screen shows."""
-    return float(min(np.ceil(rate), most))
-
-
-def with_layer(packed: Packed, name: str, factor: float) -> Packed:
-    """Return the experiment with a lane's boundary layer that many times as wide.
-
-    Args:
-        packed: the experiment as numbers.
-        name: a lane that switches.
-        factor: how many times.
-    """
-    lane = packed.experiment.lanes[name]
-    width = tuple(np.broadcast_to(np.multiply(lane.epsilon, factor), JOINTS).tolist())
-    wide = lane.model_copy(update={"epsilon": width})
-    lanes = {**packed.experiment.lanes, name: wide}
-    experiment = packed.experiment.model_copy(update={"lanes": lanes})
-    return replace(packed, experiment=experiment, gains={**packed.gains, name: wide.pack()})
-
-
-def sufficient_layer(packed: Packed, name: str) -> float | list[float] | None:
-    """Return a boundary layer in [rad/s], hardly wider than it must be, that makes a loop stable.
-
-    Every joint's is widened alike.
-
-    Args:
-        packed: the experiment as numbers.
-        name: a lane that switches by tanh or saturation.
-
-    Returns:
-        One number or six, as the lane has it; ``None`` where no layer does.
-    """
-    present = packed.experiment.lanes[name].epsilon
-    _, most = bounds(type(packed.experiment.lanes[name]), "epsilon")
-    widest = most / float(np.max(present))
-    factor = _sufficient(packed, name, lambda wide: with_layer(packed, name, wide), widest)
-    if factor is None:
-        return None
-    widened = [min(_rounded_up(e * factor), most) for e in np.atleast_1d(present).tolist()]
-    return widened if isinstance(present, tuple) else widened[0]
-
-
-def _rounded_up(value: float) -> float:
-    """Return the next number of two digits that isn't smaller."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
-    return float(f"{np.ceil(value / unit - 1e-9) * unit:.2g}")
 
 
 def _poses(packed: Packed) -> list[Array]:

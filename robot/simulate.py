@@ -10,13 +10,13 @@ import numpy as np
 from robot.accuracy import LOOSER, Accuracy, difference, judge, second_run
 from robot.arm import flange_positions
 from robot.compiled import kernel
+from robot.cutting import Cutting
 from robot.experiment import Experiment
 from robot.implicit_step import MAX_VELOCITY
 from robot.lane import Freeze, Lane
 from robot.metrics import Metrics, measure_lane
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
-from robot.steps import Cutting
 from robot.trajectory import reference
 from robot.workspace import (
     CAPPED,

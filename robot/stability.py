@@ -8,11 +8,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from robot.experiment import MAX_STEPS, Experiment
+from robot.experiment import MAX_STEPS, Experiment, Simulation
 from robot.field_path import field_path
-from robot.margin import Margin, is_stable, loop_margin, sufficient_layer, sufficient_rate
+from robot.margin import Margin, is_stable, loop_margin
 from robot.packed import Packed, pack
-from robot.quantity import JOINTS
+from robot.quantity import JOINTS, bounds
+from robot.sufficient import sufficient_layer, sufficient_rate
 from robot.torque_need import initial_torque, required_torque, start
 from robot.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 
@@ -24,6 +25,8 @@ _RESERVE = 1.2
 """Torque limit that a note proposes, as a multiple of what the motion takes (*ours*)."""
 _MOST_LEAKAGE = 50.0
 """Greatest leakage in [1/s]: the field's own bound."""
+_STEPS_A_SWING = 10
+"""Steps that show the course of a swing (*ours*)."""
 _DECAYS = 3.0
 """Time constants within the horizon that a note proposes: 5 % of the error are left (*ours*)."""
 
@@ -264,6 +267,41 @@ def _windup(packed: Packed, name: str) -> Iterator[Note]:
     )
 
 
+def _fast_disturbance(packed: Packed, name: str) -> Iterator[Note]:
+    """Tell of a disturbance that swings faster than the steps can follow."""
+    disturbance, simulation = packed.experiment.disturbance, packed.experiment.simulation
+    swings = {
+        "disturbance.sine.frequency": (disturbance.sine.frequency, disturbance.sine.amplitude),
+        "disturbance.noise.bandwidth": (disturbance.noise.bandwidth, disturbance.noise.amplitude),
+    }
+    sampled = simulation.mode == "sampled"
+    step = simulation.row_period / (simulation.plant_substeps if sampled else 1)
+    for path, (frequency, amplitude) in swings.items():
+        if not np.any(amplitude) or _STEPS_A_SWING * step * frequency <= 1.0 + 1e-9:
+            continue
+        yield Note(
+            "info",
+            path,
+            f"{_short(frequency)} Hz leaves a swing less than {_STEPS_A_SWING} steps of "
+            f"{_short(1e3 * step)} ms: the arm gets its impulse, but not its course within a step.",
+            _finer_steps(packed.experiment, frequency),
+        )
+
+
+def _finer_steps(experiment: Experiment, frequency: float) -> dict[str, Any] | None:
+    """Return the patch that follows a swing of that frequency in [Hz], if there is one."""
+    simulation = experiment.simulation
+    if simulation.mode == "sampled":
+        _, most = bounds(Simulation, "plant_substeps")
+        substeps = int(np.ceil(_STEPS_A_SWING * frequency * simulation.row_period - 1e-9))
+        return {"simulation": {"plant_substeps": substeps}} if substeps <= most else None
+    least, _ = bounds(Simulation, "step")
+    unit = 10.0 ** (np.floor(np.log10(1.0 / (_STEPS_A_SWING * frequency))) - 1.0)
+    step = float(f"{np.floor(1.0 / (_STEPS_A_SWING * frequency) / unit + 1e-9) * unit:.2g}")
+    fits = step >= max(least, simulation.horizon / MAX_STEPS)
+    return {"simulation": {"step": step}} if fits else None
+
+
 def _unused(packed: Packed, name: str) -> Iterator[Note]:
     experiment = packed.experiment
     noise, delay = experiment.disturbance.sensor_noise, experiment.simulation.input_delay
@@ -294,5 +332,15 @@ def _sampled(experiment: Experiment) -> dict[str, Any] | None:
 
 def notes(packed: Packed, name: str) -> list[Note]:
     """Return all remarks on one lane's numbers; an empty list says that nothing is amiss."""
-    checks = (_sampling, _sign, _convergence, _motion, _start, _blindness, _windup, _unused)
+    checks = (
+        _sampling,
+        _sign,
+        _convergence,
+        _motion,
+        _start,
+        _blindness,
+        _windup,
+        _fast_disturbance,
+        _unused,
+    )
     return [note for check in checks for note in check(packed, name)]

@@ -7,12 +7,12 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from robot.cutting import Cutting, cutter
 from robot.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from robot.dynamics import dynamics
 from robot.laws.law import Law
@@ -22,36 +22,23 @@ from robot.stages import FIRST, PLAIN, SECOND, observe, plant_step
 from robot.wiring import STEP, TOLERANCE, wire
 from robot.workspace import (
     APPLIED,
-    CAPPED,
     CURRENT,
     CURVE,
     CURVE_ROWS,
-    CUT,
-    ERRORS,
     HALF,
     MEASURED_Q,
     MEASURED_V,
-    OVER,
-    TALLY,
     TAU,
-    WRONG,
     Q,
     V,
 )
 
 Array = np.ndarray
-Attempt = Callable[[float, float, float], int]
 Step = Callable[[float, int, int], int]
 """``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
 
 NO_ROW = -1
 """Row of a step that is only part of one: nothing is recorded."""
-LIVE_HALVINGS = 3
-"""How often the live session halves a step at most (*ours*): it has to keep its pace."""
-RUN_HALVINGS = 10
-"""How often a whole run halves a step at most (*ours*)."""
-RUN_PARTS = 20
-"""Parts that the rows of a whole run may have on average (*ours*)."""
 
 
 class Stage(NamedTuple):
@@ -86,63 +73,6 @@ def _stage(
     return Stage((truth.model, truth.data), q, v, believe, wiring)
 
 
-class Cutting:
-    """How far steps may be cut, and how much of that is left.
-
-    Attributes:
-        deepest: how often one step may be halved.
-        left: how many parts the rows may still have together, beyond one each.
-        tolerance: how many times its tolerance the error of a step may be.
-    """
-
-    def __init__(
-        self, deepest: int = LIVE_HALVINGS, left: float = inf, tolerance: float = 1.0
-    ) -> None:
-        """Set all three."""
-        self.deepest, self.left, self.tolerance = deepest, left, tolerance
-
-    @classmethod
-    def of_whole_run(cls, rows: int, tolerance: float = 1.0) -> Cutting:
-        """Return what a run of so many rows may take (*ours*)."""
-        return cls(RUN_HALVINGS, RUN_PARTS * rows, tolerance)
-
-
-def _cut(attempt: Attempt, h: float, cutting: Cutting, work: Array) -> Callable[[float], int]:
-    """Return what makes a refused step in parts, each as long as its own error allows.
-
-    Args:
-        attempt: makes a step from the current state: ``(t, h, tolerance) -> 0, joint or REFUSED``.
-        h: length of a whole step in [s].
-        cutting: how far it may go.
-        work: the lane's workspace, whose TALLY counts.
-    """
-    tally, errors = work[TALLY], work[ERRORS]
-
-    def part(t: float, h: float, halvings: int) -> int:
-        cutting.left -= 1.0
-        last = halvings <= 0 or cutting.left < 0.0
-        bad = attempt(t, h, inf if last else cutting.tolerance)
-        if last:
-            errors[OVER] = max(errors[OVER], errors[WRONG])
-            return bad
-        if not bad:
-            return 0
-        return part(t, 0.5 * h, halvings - 1) or part(t + 0.5 * h, 0.5 * h, halvings - 1)
-
-    def cut(t: float) -> int:
-        tally[CUT] += 1.0
-        errors[OVER] = 0.0
-        if cutting.deepest <= 0:
-            return part(t, h, 0)
-        bad = part(t, 0.5 * h, cutting.deepest - 1)
-        bad = bad or part(t + 0.5 * h, 0.5 * h, cutting.deepest - 1)
-        if errors[OVER] > 1.0:
-            tally[CAPPED] += 1.0
-        return bad
-
-    return cut
-
-
 def plain_step(
     law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
 ) -> Step:
@@ -168,7 +98,7 @@ def plain_step(
         return step(t, 0, NO_ROW)
 
     numbers[TOLERANCE] = cutting.tolerance
-    cut = _cut(attempt, h, cutting, work)
+    cut = cutter(attempt, h, cutting, work)
     return step
 
 
@@ -213,7 +143,7 @@ def extrapolated_step(
         return step(t, 0, NO_ROW)
 
     settle(h, cutting.tolerance)
-    cut = _cut(attempt, h, cutting, work)
+    cut = cutter(attempt, h, cutting, work)
     return step
 
 

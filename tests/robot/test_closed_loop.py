@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from robot.closed_loop import ClosedLoop
+from robot.cutting import RUN_HALVINGS
 from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.packed import pack
 from robot.quantity import JOINTS
 from robot.simulate import simulate
-from robot.steps import RUN_HALVINGS
 from robot.workspace import PUSH, RECORD, STATE_ROWS, Q, V
 
 Array = np.ndarray

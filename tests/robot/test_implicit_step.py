@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robot.cutting import Cutting
 from robot.disturbance import Disturbance, pack_world
 from robot.elimination import solve, solve_symmetric
 from robot.experiment import Experiment
@@ -15,7 +16,6 @@ from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY, accept, implicit_step, 
 from robot.lane import Lane
 from robot.packed import pack
 from robot.quantity import JOINTS
-from robot.steps import Cutting
 from robot.workspace import (
     AD,
     CURRENT,

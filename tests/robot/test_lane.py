@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robot.cutting import LIVE_HALVINGS
 from robot.dynamics import dynamics
 from robot.experiment import Experiment
 from robot.lane import Lane
 from robot.laws import LAWS
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
-from robot.steps import LIVE_HALVINGS
 from robot.workspace import (
     AD,
     CHANGE_Q,

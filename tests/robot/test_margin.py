@@ -9,18 +9,11 @@ import pytest
 
 from robot.experiment import Experiment
 from robot.laws import LAWS
-from robot.margin import (
-    MARGINAL,
-    is_stable,
-    loop_margin,
-    period_map,
-    sufficient_layer,
-    sufficient_rate,
-    worst_margin,
-)
+from robot.margin import MARGINAL, is_stable, loop_margin, period_map, worst_margin
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.simulate import LaneRun, simulate
+from robot.sufficient import sufficient_layer, sufficient_rate
 
 Array = np.ndarray
 SMALL = 1e-8

@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from robot.arm import build_model, flange_positions
 from robot.closed_loop import ClosedLoop
+from robot.cutting import Cutting
 from robot.disturbance import Disturbance
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment, Robot, Simulation
@@ -23,7 +24,6 @@ from robot.laws import LAWS
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS, Section
 from robot.simulate import CancelledError, LaneRun, Run, simulate
-from robot.steps import Cutting
 from robot.trajectory import CircleTrajectory, HoldTrajectory, QuinticTrajectory, SineTrajectory
 from robot.workspace import RECORD_COLUMNS
 

@@ -9,18 +9,12 @@ import pytest
 
 from robot.errors import InvalidExperimentError
 from robot.experiment import MAX_STEPS, Experiment, Simulation
-from robot.margin import (
-    is_stable,
-    margin_limit,
-    sampling_margin,
-    sufficient_layer,
-    sufficient_rate,
-    worst_margin,
-)
+from robot.margin import is_stable, margin_limit, sampling_margin, worst_margin
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.simulate import LaneRun, simulate
 from robot.stability import Note, notes
+from robot.sufficient import sufficient_layer, sufficient_rate
 from robot.torque_need import initial_torque, required_torque
 
 Array = np.ndarray
@@ -226,6 +220,12 @@ WEAK = {"armature": 0.5, "torque_limit": RATING}
 AT_REST = {"simulation": {"initial_velocity": "rest"}}
 NOISES = ("position", "velocity")
 DELAYED = {"simulation": {"input_delay": 0.001}, "robot": DATASHEET}
+FAST = {
+    "sine": {"amplitude": 5.0, "frequency": 100.0},
+    "noise": {"amplitude": [0, 0, 0, 0, 0, 1.0], "bandwidth": 180.0},
+}
+COARSE = {"simulation": {"mode": "sampled", "control_rate": 200.0, "plant_substeps": 2}}
+SLOW = {"law": "smc", "k1": 5.0, "k2": 1.0, "epsilon": 1.0}
 PROPOSALS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("lanes.A.epsilon", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "epsilon": 0.01}),
     ("lanes.A.epsilon", {**SAMPLED, "robot": DATASHEET}, {**CHATTERING, "epsilon": THIN}),
@@ -242,6 +242,9 @@ PROPOSALS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("robot.torque_limit", {"robot": WEAK}, {"law": "nftsm"}),
     ("robot.torque_limit", {"robot": {**WEAK, "torque_limit": 100}}, {"law": "nftsm"}),
     ("robot.torque_limit", {"robot": LIMITED, **AT_REST}, {"law": "rbfnn_nftsm"}),
+    ("disturbance.sine.frequency", {"disturbance": FAST, "simulation": {"step": 0.005}}, SLOW),
+    ("disturbance.noise.bandwidth", {"disturbance": FAST}, SLOW),
+    ("disturbance.noise.bandwidth", {"disturbance": FAST, **COARSE, "robot": DATASHEET}, SLOW),
     ("simulation.input_delay", DELAYED, {"law": "computed_torque"}),
 ]
 
@@ -370,3 +373,11 @@ def test_an_exponent_outside_its_bounds_is_refused_with_the_bounds(p: int, k: in
     with pytest.raises(InvalidExperimentError, match="between 1 and 2") as refused:
         packed_of({}, {"law": "nftsm", "p": p, "k": k})
     assert [field.path for field in refused.value.fields] == ["lanes.A.p"]
+
+
+def test_a_disturbance_that_the_steps_follow_is_not_told() -> None:
+    slow = {"sine": {"amplitude": 5.0, "frequency": 10.0}, "noise": {"amplitude": 1.0}}
+    assert not notes_of({"disturbance": slow}, SLOW)
+    # Without a torque its frequency is nobody's business.
+    still = {"sine": {"amplitude": 0.0, "frequency": 100.0}}
+    assert not notes_of({"disturbance": still}, SLOW)
