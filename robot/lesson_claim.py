@@ -146,7 +146,9 @@ def _error_at(look: Look) -> float:
 
 
 def _reaching_time(look: Look) -> float:
-    """Return when S came within the boundary layer, infinite where it never did."""
+    """Return when S was reached, infinite where it never was, NaN where the lane had ended."""
+    if np.isnan(look.figures.mae).any():
+        return np.nan
     return look.of_joint([np.inf if t is None else t for t in look.figures.reaching_time])
 
 
