@@ -16,6 +16,13 @@ import {changeOf} from './response_change.js';
 /** @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[]}} Row */
 
 const DIVERGED = 'diverged';
+const MILLI = 1000;
+/** Error of an angle [rad] above which a run is not to be trusted blindly; ours. */
+const GOOD = 1e-3;
+const ESTIMATE = {
+  id: 'estimate', title: 'error estimate', unit: 'mrad',
+  meaning: 'By how much the angles of this run may be off, as a second, coarser run tells.',
+};
 
 /** A margin is no figure of a run; of the six mean errors the chosen joints' are shown. */
 function columnsFor(/** @type {number[]} */ joints) {
@@ -50,7 +57,12 @@ export class ResponseMetrics {
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
       this.#fillCurrent(name, now, columns, name === compared.selected);
-      for (const baseline of shown) this.#fillBaseline(name, baseline, now, columns);
+      fillEstimate(this.#estimateCell(key(name)), now, current?.quick ?? false);
+      for (const baseline of shown) {
+        this.#fillBaseline(name, baseline, now, columns);
+        const then = baseline.response?.lanes.get(name) ?? null;
+        fillEstimate(this.#estimateCell(key(name, baseline.id)), then, false);
+      }
     }
   }
 
@@ -88,10 +100,17 @@ export class ResponseMetrics {
    * @param {HTMLElement} head
    */
   #row(at, columns, head) {
-    const cells = columns.map(({id}) => element('td', {class: `metrics-number metrics-${id}`}));
+    const cells = [...columns, ESTIMATE].map(({id}) => (
+      element('td', {class: `metrics-number metrics-${id}`})
+    ));
     const row = element('tr', {}, element('th', {scope: 'row'}, head), ...cells);
     this.#rows.set(at, {row, cells});
     return row;
+  }
+
+  /** @param {string} at */
+  #estimateCell(at) {
+    return /** @type {HTMLTableCellElement} */ (this.#rows.get(at)?.cells.at(-1));
   }
 
   /**
@@ -171,11 +190,36 @@ function fill(cell, value, {kind, text}) {
   );
 }
 
+/**
+ * @param {HTMLElement} cell
+ * @param {LaneResponse|null} lane
+ * @param {boolean} quick whether nobody asked for an estimate, because a better run follows
+ */
+function fillEstimate(cell, lane, quick) {
+  const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
+  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || capped > 0;
+  const known = error === null ? (quick ? '…' : '–') : `±${threeDigits(error * MILLI)}`;
+  setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
+  cell.classList.toggle('is-doubtful', doubtful);
+  cell.title = [
+    quick ? 'estimated on release' : '',
+    (error ?? 0) > GOOD ? `above ${threeDigits(GOOD * MILLI)} mrad` : '',
+    unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
+    capped > 0 ? `${counted(capped, 'row')} not cut as far as the error asked` : '',
+  ].filter(Boolean).join(', ');
+}
+
+/**
+ * @param {number} count
+ * @param {string} what
+ */
+function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'}`; }
+
 /** @param {Column[]} columns */
 function heading(columns) {
   return element('thead', {}, element(
     'tr', {}, element('th', {scope: 'col'}, 'lane'),
-    ...columns.map(({title, unit, meaning}) => element(
+    ...[...columns, ESTIMATE].map(({title, unit, meaning}) => element(
       'th', {scope: 'col', title: meaning}, title,
       unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),
     )),
