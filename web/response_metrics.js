@@ -13,7 +13,10 @@ import {changeOf} from './response_change.js';
  * @typedef {{lanes: import('./api.js').Lane[], selected: string, joints: number[],
  *   current: Response|null, baselines: Baseline[]}} Compared
  */
-/** @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[]}} Row */
+/**
+ * @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[],
+ *   estimate: HTMLTableCellElement}} Row
+ */
 
 const DIVERGED = 'diverged';
 const MILLI = 1000;
@@ -56,12 +59,10 @@ export class ResponseMetrics {
     this.#built = built;
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
-      this.#fillCurrent(name, now, columns, name === compared.selected);
-      fillEstimate(this.#estimateCell(key(name)), now, current?.quick ?? false);
+      const quick = current?.quick ?? false;
+      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, quick});
       for (const baseline of shown) {
         this.#fillBaseline(name, baseline, now, columns);
-        const then = baseline.response?.lanes.get(name) ?? null;
-        fillEstimate(this.#estimateCell(key(name, baseline.id)), then, false);
       }
     }
   }
@@ -100,33 +101,30 @@ export class ResponseMetrics {
    * @param {HTMLElement} head
    */
   #row(at, columns, head) {
-    const cells = [...columns, ESTIMATE].map(({id}) => (
+    // First, where it is seen before the figures that it is about.
+    const [estimate, ...cells] = [ESTIMATE, ...columns].map(({id}) => (
       element('td', {class: `metrics-number metrics-${id}`})
     ));
-    const row = element('tr', {}, element('th', {scope: 'row'}, head), ...cells);
-    this.#rows.set(at, {row, cells});
+    const row = element('tr', {}, element('th', {scope: 'row'}, head), estimate, ...cells);
+    this.#rows.set(at, {row, cells, estimate});
     return row;
-  }
-
-  /** @param {string} at */
-  #estimateCell(at) {
-    return /** @type {HTMLTableCellElement} */ (this.#rows.get(at)?.cells.at(-1));
   }
 
   /**
    * @param {string} name
    * @param {LaneResponse|null} now
    * @param {Column[]} columns
-   * @param {boolean} selected
+   * @param {{selected: boolean, quick: boolean}} how
    */
-  #fillCurrent(name, now, columns, selected) {
-    const {row, cells} = /** @type {Row} */ (this.#rows.get(key(name)));
+  #fillCurrent(name, now, columns, {selected, quick}) {
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
     const frozen = now?.frozen;
     row.classList.toggle('is-selected', selected);
     row.classList.toggle('is-frozen', Boolean(frozen));
     const state = /** @type {HTMLElement} */ (row.querySelector('.response-state'));
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
+    fillEstimate(estimate, now, quick);
     columns.forEach((column, index) => setText(cells[index], threeDigits(valueOf(column, now))));
   }
 
@@ -137,8 +135,9 @@ export class ResponseMetrics {
    * @param {Column[]} columns
    */
   #fillBaseline(name, {id, response, failure}, now, columns) {
-    const {row, cells} = /** @type {Row} */ (this.#rows.get(key(name, id)));
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name, id)));
     const then = response?.lanes.get(name) ?? null;
+    fillEstimate(estimate, then, false);
     const reason = incomparable(now, then, failure || (response ? '' : 'being computed'));
     row.title = reason;
     columns.forEach((column, index) => {
@@ -219,7 +218,7 @@ function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'
 function heading(columns) {
   return element('thead', {}, element(
     'tr', {}, element('th', {scope: 'col'}, 'lane'),
-    ...[...columns, ESTIMATE].map(({title, unit, meaning}) => element(
+    ...[ESTIMATE, ...columns].map(({title, unit, meaning}) => element(
       'th', {scope: 'col', title: meaning}, title,
       unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),
     )),

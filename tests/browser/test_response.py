@@ -148,7 +148,7 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
 
     with held(page, "lanes.RBFNN-NFTSM.c"):
         expect(page.locator(".response-status")).to_have_attribute("data-run", "quick")
-        expect(row(page, "RBFNN-NFTSM").locator("td").first).not_to_have_text(
+        expect(row(page, "RBFNN-NFTSM").locator(".metrics-mae1")).not_to_have_text(
             f"{expected_figures(run, 'RBFNN-NFTSM')[0]:.3g}"
         )
     until_exact(page, dashboard)
@@ -178,10 +178,10 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
     until_exact(page, dashboard)
     compared = row(page, "RBFNN-NFTSM", "as published")
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▼ \d+ % better"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▼ \d+ % better"))
     type_in(page, "lanes.RBFNN-NFTSM.nu", "0.1")
     until_exact(page, dashboard)
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▲ .+ worse"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
     # Of each lane the baseline, solid, and the current response, dashed.
     lines = page.locator(".response .scatterlayer path.js-line")
@@ -192,7 +192,7 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     page.reload()
     until_exact(page, dashboard)
     expect(page.get_by_role("textbox", name="Name of the baseline")).to_have_value("as published")
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▲ .+ worse"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
     page.get_by_role("button", name="Show as published").click()
     expect(lines).to_have_count(3 * len(LANES))
