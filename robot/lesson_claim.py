@@ -28,6 +28,7 @@ Metric = Literal[
     "reaching_time",
     "peak_torque",
     "chattering",
+    "sign_changes",
     "high_frequency_torque",
     "flange_rms",
     "flange_max",
@@ -35,6 +36,8 @@ Metric = Literal[
     "margin_limit",
     "time_constant",
     "integral_gain",
+    "network_stiffness",
+    "proportional_share",
     "least_gaussian",
     "integrator_gap",
 ]
@@ -143,13 +146,21 @@ def _error_at(look: Look) -> float:
 
 
 def _reaching_time(look: Look) -> float:
-    """Return when S came within the boundary layer, infinite where it never did."""
+    """Return when S was reached, infinite where it never was, NaN where the lane had ended."""
+    if np.isnan(look.figures.mae).any():
+        return np.nan
     return look.of_joint([np.inf if t is None else t for t in look.figures.reaching_time])
 
 
 def _high_frequency_torque(look: Look) -> float:
     value = look.figures.high_frequency_torque
     return np.nan if value is None else value
+
+
+def _sign_changes(look: Look) -> float:
+    """Return at how many of the rows S has another sign than at the one before, in percent."""
+    positive = look.lane.S[look.run.time >= look.claim.since] > 0.0
+    return 100.0 * look.of_joint((positive[1:] != positive[:-1]).mean(axis=0))
 
 
 def _only_lane(look: Look) -> Experiment:
@@ -172,10 +183,27 @@ def _least_gaussian(look: Look) -> float:
     return look.of_joint(_gaussians(look.gains, worst).min(axis=0))
 
 
-def _integral_gain(look: Look) -> float:
-    r"""Return :math:`\varphi\sum_j h_j^2`: how fast f follows S near e = 0."""
-    squares = np.square(_gaussians(look.gains, np.zeros(JOINTS))).sum(axis=0)
-    return look.of_joint(np.asarray(look.gains.learning_rate) * squares)
+def _integral_gain(gains: NetworkGains) -> Array:
+    r"""Return :math:`\varphi\sum_j h_j^2`: how fast f follows S near e = 0. Shape (6,)."""
+    squares = np.square(_gaussians(gains, np.zeros(JOINTS))).sum(axis=0)
+    return np.asarray(np.asarray(gains.learning_rate) * squares)
+
+
+def _network_stiffness(gains: Any) -> Array:
+    r"""Return :math:`c\,\varphi\sum_j h_j^2`: f follows e so, as S holds c de. Shape (6,)."""
+    return np.asarray(np.asarray(gains.c) * _integral_gain(gains))
+
+
+def _proportional_share(look: Look) -> float:
+    r"""Return how much of f is proportional to e, in percent.
+
+    The part :math:`p = c\,\varphi\sum_j h_j^2\,(e - e(0))` is projected on f: its share and that of
+    the rest add up.
+
+    .. math:: 100\,\frac{\int p f\,dt}{\int f^2\,dt}
+    """
+    f, part = look.lane.f, _network_stiffness(look.gains) * (look.lane.e - look.lane.e[0])
+    return 100.0 * look.of_joint((part * f).sum(axis=0) / np.square(f).sum(axis=0))
 
 
 def _integrator_gap(look: Look) -> float:
@@ -193,6 +221,7 @@ METRICS: dict[Metric, LessonMetric] = {
     "reaching_time": LessonMetric("s", _reaching_time),
     "peak_torque": LessonMetric("N·m", lambda look: look.of_joint(look.figures.peak_torque)),
     "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering),
+    "sign_changes": LessonMetric("%", _sign_changes),
     "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque),
     "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms),
     "flange_max": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_max),
@@ -201,7 +230,13 @@ METRICS: dict[Metric, LessonMetric] = {
     "time_constant": LessonMetric(
         "s", lambda look: look.of_joint(np.divide(look.gains.c, look.gains.nu))
     ),
-    "integral_gain": LessonMetric("N·m/rad", _integral_gain),
+    "integral_gain": LessonMetric(
+        "N·m/rad", lambda look: look.of_joint(_integral_gain(look.gains))
+    ),
+    "network_stiffness": LessonMetric(
+        "N·m/rad", lambda look: look.of_joint(_network_stiffness(look.gains))
+    ),
+    "proportional_share": LessonMetric("%", _proportional_share),
     "least_gaussian": LessonMetric("", _least_gaussian),
     "integrator_gap": LessonMetric("%", _integrator_gap),
 }

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+
+from robot.quantity import JOINTS
 
 Array = np.ndarray
 
@@ -15,7 +17,7 @@ HIGH_FREQUENCY = 50.0
 
 @dataclass(frozen=True)
 class Metrics:
-    """Figures of one lane over a span of time.
+    """Figures of one lane over a span of time; NaN where the span holds no row.
 
     Attributes:
         mae: mean absolute error in [rad]. Shape (6,).
@@ -25,8 +27,8 @@ class Metrics:
         high_frequency_torque: effective torque above 50 Hz, root sum of squares over the joints, in
             [N m]; ``None`` where the span is too short or too slow to tell.
         peak_torque: greatest absolute torque in [N m]. Shape (6,).
-        reaching_time: when S first came within the boundary layer in [s], ``None`` for never, per
-            joint. Shape (6,).
+        reaching_time: when S first was reached in [s], ``None`` for never, per joint; see
+            ``reaching_times``. Shape (6,).
         flange_rms: effective distance of the flange from the desired one in [m].
         flange_max: greatest distance in [m].
         diverged_at: when the lane left its bounds in [s], or ``None``.
@@ -44,11 +46,28 @@ class Metrics:
     diverged_at: float | None = None
 
     def document(self) -> dict[str, Any]:
-        """Return the figures as plain JSON values."""
-        return {
-            key: value.tolist() if isinstance(value, np.ndarray) else value
-            for key, value in asdict(self).items()
-        }
+        """Return the figures as plain JSON values, ``None`` for what is not known."""
+        return {key: _plain(value) for key, value in asdict(self).items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return [_plain(one) for one in value.tolist()]
+    return None if isinstance(value, float) and np.isnan(value) else value
+
+
+NO_FIGURES = Metrics(
+    mae=np.full(JOINTS, np.nan),
+    max_error=np.full(JOINTS, np.nan),
+    max_velocity_error=np.full(JOINTS, np.nan),
+    chattering=np.nan,
+    high_frequency_torque=None,
+    peak_torque=np.full(JOINTS, np.nan),
+    reaching_time=(None,) * JOINTS,
+    flange_rms=np.nan,
+    flange_max=np.nan,
+)
+"""Figures of a span without a row."""
 
 
 def total_variation(torque: Array, period: float) -> float:
@@ -107,14 +126,18 @@ def high_frequency_torque(torque: Array, period: float) -> float | None:
 
 
 def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | None, ...]:
-    """Return when each joint's sliding variable first came within its boundary layer in [s].
+    """Return when each joint's sliding variable was first within its layer, or beyond zero, in [s].
+
+    A sampled loop can carry S across a thin layer between two rows: the row after that counts.
 
     Args:
         time: time in [s]. Shape (n,).
         sliding: sliding variable in [rad/s]. Shape (n, 6).
-        layer: boundary layer in [rad/s]. Shape (6,).
+        layer: within which S counts as reached in [rad/s], 0 where nothing tries. Shape (6,).
     """
     inside = np.abs(sliding) <= layer
+    inside |= sliding * sliding[:1] < 0.0
+    inside &= layer > 0.0
     return tuple(float(time[np.argmax(column)]) if column.any() else None for column in inside.T)
 
 
@@ -124,12 +147,14 @@ def measure_lane(
     """Return the figures of one lane.
 
     Args:
-        time: time in [s], evenly spaced, at least two. Shape (n,).
+        time: time in [s], evenly spaced. Shape (n,).
         columns: ``e``, ``de``, ``tau``, ``S`` of shape (n, 6); ``flange`` and ``flange_desired`` of
             shape (n, 3).
-        layer: boundary layer in [rad/s]. Shape (6,).
+        layer: within which S counts as reached in [rad/s]. Shape (6,).
         diverged_at: when the lane left its bounds in [s], or ``None``.
     """
+    if not len(time):
+        return replace(NO_FIGURES, diverged_at=diverged_at)
     period = float(time[1] - time[0]) if len(time) > 1 else 1.0
     error, torque = np.abs(columns["e"]), columns["tau"]
     distance = np.linalg.norm(columns["flange"] - columns["flange_desired"], axis=1)

@@ -43,6 +43,7 @@ class Response:
         path: flange positions in [m]. Shape (m, 3).
         metrics: figures of the whole run, as plain JSON values.
         frozen: when, which joint and why it left its bounds, or ``None``.
+        accuracy: how good all of this is, as plain JSON values; see ``robot.accuracy.Accuracy``.
     """
 
     time: Array
@@ -50,6 +51,7 @@ class Response:
     path: Array
     metrics: dict[str, Any]
     frozen: dict[str, Any] | None
+    accuracy: dict[str, Any]
 
 
 def quickened(experiment: Experiment) -> Experiment:
@@ -110,20 +112,24 @@ def _columns(run: LaneRun) -> Array:
 
 
 def lane_response(
-    experiment: Experiment, lane: str, cancelled: Callable[[], bool] | None = None
+    experiment: Experiment,
+    lane: str,
+    estimate: bool = True,
+    cancelled: Callable[[], bool] | None = None,
 ) -> Response:
     """Run one lane of an experiment over its horizon.
 
     Args:
         experiment: what to run; see ``quickened``.
         lane: which lane.
+        estimate: whether its error is estimated, which takes half as much again.
         cancelled: asked now and then; the run stops when it says yes.
 
     Raises:
         CancelledError: if ``cancelled`` said yes.
         InvalidExperimentError: if the arm can't follow the trajectory.
     """
-    run = simulate(only_lane(experiment, lane), cancelled=cancelled)
+    run = simulate(only_lane(experiment, lane), cancelled=cancelled, estimate=estimate)
     result = run.lanes[lane]
     time, columns = thinned(run.time, _columns(result))
     freeze = result.freeze
@@ -138,4 +144,5 @@ def lane_response(
         }
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)
-    return Response(time, columns, finite[::stride], result.metrics.document(), frozen)
+    figures, accuracy = result.metrics.document(), result.accuracy.document()
+    return Response(time, columns, finite[::stride], figures, frozen, accuracy)

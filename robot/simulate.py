@@ -56,7 +56,8 @@ class LaneRun:
         de: velocity errors in [rad/s]. Shape (n, 6).
         flange: flange positions in [m]. Shape (n, 3).
         flange_desired: desired ones in [m]. Shape (n, 3).
-        layer: boundary layers in [rad/s]. Shape (6,).
+        layer: within which S counts as reached in [rad/s], 0 for a law that has no reaching law.
+            Shape (6,).
         freeze: why it stopped, or ``None``.
         accuracy: how good all of this is.
     """
@@ -83,10 +84,8 @@ class LaneRun:
         return self.metrics_since(0.0)
 
     def metrics_since(self, start: float) -> Metrics:
-        """Return the figures from ``start`` [s] to where the lane ended."""
+        """Return the figures from ``start`` [s] to where the lane ended; NaN if it ended before."""
         rows = (self.time >= start) & np.isfinite(self.q[:, 0])
-        if not rows.any():
-            rows[0] = True
         names = ("e", "de", "tau", "S", "flange", "flange_desired")
         columns = {name: getattr(self, name)[rows] for name in names}
         diverged = None if self.freeze is None else self.freeze.time
@@ -180,7 +179,7 @@ def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array, good: Acc
     e, de = columns.pop("q_d"), columns.pop("v_d")
     e -= columns["q"]
     de -= columns["v"]
-    layer = getattr(packed.experiment.lanes[lane.name], "epsilon", 0.0)
+    layer = getattr(packed.experiment.lanes[lane.name], "layer", 0.0)
     return LaneRun(
         **columns,
         final_weights=lane.work[W : W + NODES].copy(),

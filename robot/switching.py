@@ -22,6 +22,10 @@ Reaching = Literal["exponential", "constant", "power"]
 SWITCHINGS: tuple[Switching, ...] = ("tanh", "saturation", "sign")
 REACHINGS: tuple[Reaching, ...] = ("exponential", "constant", "power")
 
+HELD = 1e-3
+"""|S| that counts as held at zero by sign in [rad/s] (*ours*). Continuous mode holds it to 5e-6 at
+steps of 1 ms, and to 1.3e-4 at the longest, 5 ms."""
+
 TANH, SATURATION, SIGN = 0, 1, 2
 EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
 
@@ -102,6 +106,11 @@ class ReachingGains(Section):
         group="Reaching",
         meaning="Exponent of the power reaching law; the other two ignore it.",
     )
+
+    @property
+    def layer(self) -> PerJoint:
+        """Within which S counts as reached in [rad/s]; ``sign`` has no layer of width epsilon."""
+        return HELD if self.switching == "sign" else self.epsilon
 
     def pack_reaching(self) -> Array:
         """Return the reaching law as numbers. Shape (5, 6)."""

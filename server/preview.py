@@ -38,6 +38,7 @@ def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> by
                 "path_points": len(response.path),
                 "metrics": response.metrics,
                 "frozen": response.frozen,
+                "accuracy": response.accuracy,
             }
         )
         table = np.vstack([response.time, response.columns])
@@ -57,7 +58,7 @@ class Previews:
         """Use ``workers``."""
         self._workers = workers
         self._running: dict[str, asyncio.Task[Any]] = {}
-        self._known: OrderedDict[str, Response] = OrderedDict()
+        self._known: OrderedDict[tuple[str, bool], Response] = OrderedDict()
         self._ahead: asyncio.Task[Any] | None = None
 
     async def respond(
@@ -67,7 +68,7 @@ class Previews:
 
         Args:
             experiment: what to run.
-            quick: whether the coarser step of a drag will do.
+            quick: whether the coarser step of a drag will do; its error is not estimated.
             client: who asks; an empty text never supersedes anybody.
 
         Returns:
@@ -83,7 +84,7 @@ class Previews:
         if older is not None:
             older.cancel()
         chosen = quickened(experiment) if quick else experiment
-        task = asyncio.ensure_future(self._all_lanes(chosen))
+        task = asyncio.ensure_future(self._all_lanes(chosen, estimate=not quick))
         if client:
             self._running[client] = task
         try:
@@ -102,12 +103,16 @@ class Previews:
 
     def _look_ahead(self, experiment: Experiment) -> None:
         """Run a drag's coarser steps before it begins: then it has to run what it changes alone."""
-        self._ahead = asyncio.ensure_future(self._all_lanes(quickened(experiment)))
+        ahead = self._all_lanes(quickened(experiment), estimate=False)
+        self._ahead = asyncio.ensure_future(ahead)
         # Nobody waits for it: what becomes of it is no news.
         self._ahead.add_done_callback(lambda task: task.cancelled() or task.exception())
 
-    async def _all_lanes(self, experiment: Experiment) -> dict[str, Response]:
-        tasks = [asyncio.ensure_future(self._lane(experiment, name)) for name in experiment.lanes]
+    async def _all_lanes(self, experiment: Experiment, estimate: bool) -> dict[str, Response]:
+        tasks = [
+            asyncio.ensure_future(self._lane(experiment, name, estimate))
+            for name in experiment.lanes
+        ]
         try:
             responses = await asyncio.gather(*tasks)
         except BaseException:
@@ -117,13 +122,14 @@ class Previews:
             raise
         return dict(zip(experiment.lanes, responses, strict=True))
 
-    async def _lane(self, experiment: Experiment, name: str) -> Response:
+    async def _lane(self, experiment: Experiment, name: str, estimate: bool) -> Response:
         """Run one lane; what didn't change since one of the last requests isn't run again."""
         alone = only_lane(experiment, name)
-        key = alone.model_dump_json(exclude={"title", "description"})
+        # An estimate is part of the answer: a drag's run without one is no exact answer.
+        key = alone.model_dump_json(exclude={"title", "description"}), estimate
         known = self._known.get(key)
         if known is None:
-            known = await self._workers.run(lane_response, alone, name)
+            known = await self._workers.run(lane_response, alone, name, estimate)
             self._known[key] = known
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)

@@ -58,5 +58,10 @@ def run_page(run: Run) -> str:
         Section("Flange error", (flange,)),
     ]
     causes = [f"{name}: {lane.freeze.cause}" for name, lane in run.lanes.items() if lane.freeze]
-    body = html_paragraphs([experiment.description, *causes])
+    doubts = [
+        f"{name}: {lane.accuracy.remark}"
+        for name, lane in run.lanes.items()
+        if lane.accuracy.remark
+    ]
+    body = html_paragraphs([experiment.description, *causes, *doubts])
     return figure_page(experiment.title or "Untitled experiment", body, sections)

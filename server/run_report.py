@@ -32,8 +32,9 @@ UNITS = {
     "flange_rms": "m",
     "flange_max": "m",
     "diverged_at": "s",
+    "error_estimate": "rad",
 }
-"""Units of ``robot.metrics.Metrics``."""
+"""Units of ``robot.metrics.Metrics`` and ``robot.accuracy.Accuracy``."""
 
 _PER_JOINT = (
     ("mae", "mean |e|", "mrad", 1e3),
@@ -62,6 +63,7 @@ def report(run: Run, since: float = 0.0) -> Document:
     lanes = {
         name: {
             "metrics": _metrics(lane, since),
+            "accuracy": lane.accuracy.document(),
             "frozen": None if lane.freeze is None else asdict(lane.freeze),
             **_margin(packed, name),
             "notes": [asdict(note) for note in notes(packed, name)],
@@ -136,11 +138,12 @@ def _per_joint(lanes: Document) -> Table:
 
 def _overall(lanes: Document) -> Table:
     headings = (f"{title} [{unit}]" for _, title, unit, _ in _OVERALL)
-    table = _table("lane", *headings, "diverged at [s]", first=1)
+    table = _table("lane", *headings, "error estimate [mrad]", "diverged at [s]", first=1)
     for name, lane in lanes.items():
         metrics, frozen = lane["metrics"] or {}, lane["frozen"]
         values = [figure(metrics.get(key), scale) for key, _, _, scale in _OVERALL]
-        _add(table, [name, *values, figure(frozen["time"] if frozen else None)])
+        estimate = figure(lane["accuracy"]["error_estimate"], 1e3)
+        _add(table, [name, *values, estimate, figure(frozen["time"] if frozen else None)])
     return table
 
 
@@ -157,6 +160,10 @@ def print_report(document: Document, console: Console) -> None:
         if lane["frozen"]:
             head = Text(f"{name} diverged: ", style="red")
             console.print(head, Text(lane["frozen"]["cause"]), sep="")
+    for name, lane in lanes.items():
+        if lane["accuracy"]["remark"]:
+            head = Text(f"inaccurate, {name}: ", style="yellow")
+            console.print(head, Text(lane["accuracy"]["remark"]), sep="")
     for name, lane in lanes.items():
         for note in lane["notes"]:
             style = "yellow" if note["level"] == "warning" else "cyan"

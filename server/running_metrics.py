@@ -23,9 +23,19 @@ def _six() -> Array:
 
 @dataclass
 class Sums:
-    """What a span of rows adds up to; spans can be joined."""
+    """What a span of rows adds up to; spans that follow each other can be joined.
+
+    Attributes:
+        rows: how many.
+        lead: time from the row before the span to its first in [s].
+        jump: way of all joints' torque from there in [N m]: only a longer span has it inside.
+        duration: time from the first row to the last in [s].
+        variation: way of all joints' torque from the first row to the last in [N m].
+    """
 
     rows: int = 0
+    lead: float = 0.0
+    jump: float = 0.0
     duration: float = 0.0
     error: Array = field(default_factory=_six)
     max_error: Array = field(default_factory=_six)
@@ -36,7 +46,12 @@ class Sums:
     max_distance: float = 0.0
 
     def join(self, other: Sums) -> None:
-        """Take another span in."""
+        """Take in the span that follows."""
+        if self.rows == 0:
+            self.lead, self.jump = other.lead, other.jump
+        else:
+            self.duration += other.lead
+            self.variation += other.jump
         self.rows += other.rows
         self.duration += other.duration
         self.error += other.error
@@ -55,7 +70,7 @@ class Sums:
             "mae": (self.error / self.rows).tolist(),
             "max_error": self.max_error.tolist(),
             "max_velocity_error": self.max_velocity_error.tolist(),
-            "chattering": self.variation / max(self.duration, 1e-9),
+            "chattering": self.variation / self.duration if self.rows > 1 else 0.0,
             "peak_torque": self.peak_torque.tolist(),
             "flange_rms": float(np.sqrt(self.distance / self.rows)),
             "flange_max": self.max_distance,
@@ -107,15 +122,17 @@ class RunningMetrics:
         error, torque = np.abs(rows[:, self._columns["e"]]), rows[:, self._columns["tau"]]
         gap = rows[:, self._columns["flange"]] - rows[:, self._columns["flange_d"]]
         squares = np.einsum("ij,ij->i", gap, gap)
-        chain = torque if self._torque is None else np.vstack([self._torque, torque])
-        self._torque = torque[-1:].copy()
+        jump = 0.0 if self._torque is None else float(np.abs(torque[0] - self._torque).sum())
+        self._torque = torque[-1].copy()
         return Sums(
             rows=len(rows),
-            duration=len(rows) * period,
+            lead=period,
+            jump=jump,
+            duration=(len(rows) - 1) * period,
             error=error.sum(axis=0),
             max_error=error.max(axis=0),
             max_velocity_error=np.abs(rows[:, self._columns["de"]]).max(axis=0),
-            variation=float(np.abs(np.diff(chain, axis=0)).sum()),
+            variation=float(np.abs(np.diff(torque, axis=0)).sum()),
             peak_torque=np.abs(torque).max(axis=0),
             distance=float(squares.sum()),
             max_distance=float(np.sqrt(squares.max())),

@@ -3,7 +3,7 @@
 
 import {element} from './element.js';
 import {icon} from './icons.js';
-import {leaves, valueAt} from './merge_patch.js';
+import {proposalButton} from './proposal.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
 /**
@@ -76,35 +76,8 @@ class Guard {
     const text = element('span', {class: 'guard-text'},
       element('span', {class: 'visually-hidden'}, `${WORDS[level]}: `),
       others && element('b', {}, `${lanes.join(', ')}: `), message);
-    const set = patch && element('button', {
-      class: 'button small', type: 'button',
-      on: {click: ({currentTarget}) => this.#apply(currentTarget, patch)},
-    }, this.#proposal(patch));
     return element('div', {class: `guard is-${level}`},
-      icon(level === 'warning' ? 'warning' : 'info'), text, set);
-  }
-
-  /** @param {Document} patch */
-  #proposal(patch) {
-    const parts = leaves(patch).map((path) => (
-      this.#desk.names.assignment(path, valueAt(patch, path))
-    ));
-    return `Set ${parts.join(', ')}`;
-  }
-
-  /**
-   * @param {HTMLButtonElement} button
-   * @param {Document} patch
-   */
-  async #apply(button, patch) {
-    const {history, tell} = this.#desk;
-    button.disabled = true;
-    try {
-      await history.change(patch, this.#proposal(patch));
-    } catch (error) {
-      tell(/** @type {Error} */ (error).message, {error: true});
-      button.disabled = false;
-    }
+      icon(level === 'warning' ? 'warning' : 'info'), text, patch && proposalButton(this.#desk, patch));
   }
 
   /** A closed group says that there is something in it. */

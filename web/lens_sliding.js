@@ -59,8 +59,9 @@ export class SlidingLens {
     this.#planeCard.words = `Each point is one moment of joint ${joint}: how far it is off (e) and `
       + 'how fast that changes (de). The controller pulls it onto the line S = 0, along which the '
       + 'error slides to zero.';
-    this.#planeCard.facts = planeFacts(one);
-    this.#planeCard.finding = planeFinding(one, horizon, gains.switching === 'sign');
+    const sign = gains.switching === 'sign';
+    this.#planeCard.facts = planeFacts(one, sign);
+    this.#planeCard.finding = planeFinding(one, horizon, sign);
     this.#drawPlane();
     const {growing, outside} = seen.sliding;
     this.#energyCard.facts = [
@@ -89,8 +90,11 @@ export class SlidingLens {
   }
 }
 
-/** @param {any} one */
-function planeFacts(one) {
+/**
+ * @param {any} one
+ * @param {boolean} sign whether it switches by sign(S)
+ */
+function planeFacts(one, sign) {
   const {layer, reaching_time: reached, last_outside: left, inside} = one;
   const constant = {
     name: 'on the line', value: `e dies with ${threeDigits(one.time_constant)} s`,
@@ -98,9 +102,10 @@ function planeFacts(one) {
   };
   if (!layer) return [constant];
   return [
-    {name: 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
+    {name: sign ? 'as good as zero' : 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
     {name: 'reached', value: reached === null ? 'never' : `at ${threeDigits(reached)} s`,
-      title: 'When |S| first was within the boundary layer'},
+      title: sign ? 'When S first was as good as zero or passed it'
+        : 'When |S| first was within the boundary layer, or S passed zero'},
     {name: 'last outside', value: left === null ? 'never' : `at ${threeDigits(left)} s`},
     {name: 'inside', value: `${percent(inside)} of the time`},
     constant,
@@ -122,8 +127,8 @@ function planeFinding(one, horizon, sign) {
     return `S never came within the layer: k₁ and k₂ don’t overcome what acts on this joint.${slow}`;
   }
   if (sign) {
-    return 'sign(S) knows no layer: it pushes with all of k₂ on one side of the line and then on the '
-      + `other. ε only marks here what counts as reached.${slow}`;
+    return 'sign(S) knows no layer, and ε does nothing: it pushes with all of k₂ wherever S is not '
+      + `zero. For ${percent(inside)} of the time S is as good as zero.${slow}`;
   }
   if (1 - inside < HARDLY) {
     return `The whole response lies within the layer: there tanh and saturation are little more `

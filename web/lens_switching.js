@@ -13,7 +13,7 @@ import {threeDigits} from './metrics_columns.js';
 
 const MILLI = 1000;
 const FUNCTIONS = /** @type {const} */ ([['sign', 'dot'], ['saturation', 'dash'], ['tanh', 'solid']]);
-/** A preset in whose sampled loop all three can run. */
+/** A preset in whose sampled loop sign chatters. */
 const SAMPLED_PRESET = 'chattering-tanh';
 
 /** Runs the three when asked. */
@@ -48,15 +48,17 @@ export class SwitchingCard {
       element('table', {class: 'lens-table'}, heading(), this.#body),
     );
     this.#way = element(
-      'p', {class: 'lens-note'}, 'All three run where the controller is sampled, as on a real arm. ',
+      'p', {class: 'lens-note'}, 'Nothing is sampled in continuous mode, so that sign holds S at zero '
+        + 'and does not chatter. A real controller is sampled: ',
       element('button', {
         class: 'button small', type: 'button', on: {click: () => desk.presets.load(SAMPLED_PRESET)},
       }, `Load the preset ${SAMPLED_PRESET}`),
     );
     this.#card = new LensCard({
       title: 'Sign, saturation, tanh', equation: 'Eq. 10–13',
-      words: 'sign(S) always pushes with all of k₂, so that it must switch without end; saturation '
-        + 'and tanh ease off within ε. One run of each, everything else equal.',
+      words: 'sign(S) pushes with all of k₂ wherever S is not zero, so that a sampled controller '
+        + 'switches without end; saturation and tanh ease off within ε. One run of each, everything '
+        + 'else equal.',
     }, element('div', {class: 'lens-row'}, this.#button, this.#note), this.#table, this.#way,
     this.#figure.element);
     this.element = this.#card.element;
@@ -135,7 +137,7 @@ export class SwitchingCard {
     this.#note.textContent = !switches ? 'This law has no switching function.'
       : this.#running ? `${trials.length} of 3 runs …` : old ? 'Run before the last change.' : '';
     this.#table.hidden = !trials.length;
-    this.#way.hidden = !trials.some(({refused}) => refused);
+    this.#way.hidden = !trials.length || this.#api.experiment.simulation?.mode !== 'continuous';
     this.#body.replaceChildren(...trials.map((trial) => this.#row(trial, gains.switching)));
     this.#card.finding = finding(trials);
     this.#drawSpectra(look);

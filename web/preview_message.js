@@ -10,9 +10,14 @@
  */
 /** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
 /**
+ * How good a run is; `error_estimate` [rad] is null in a quick one.
+ * @typedef {{error_estimate: number|null, unconverged: number, capped: number, remark: string,
+ *   patch: import('./merge_patch.js').Document|null}} Accuracy
+ */
+/**
  * One lane over the horizon, thinned to its extremes; NaN after it left its bounds.
  * @typedef {{name: string, time: Float32Array, columns: Map<string, Float32Array>,
- *   metrics: Figures, frozen: Frozen|null}} LaneResponse
+ *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
  */
 /**
  * @typedef {{revision: number, quick: boolean, horizon: number,
@@ -38,12 +43,12 @@ export function decodedResponse(buffer) {
     return values;
   };
   /** @type {Map<string, LaneResponse>} */ const lanes = new Map();
-  for (const {name, points, path_points: pathPoints, metrics, frozen} of head.lanes) {
+  for (const {name, points, path_points: pathPoints, metrics, frozen, accuracy} of head.lanes) {
     const time = column(points);
     /** @type {string[]} */ const channels = head.channels;
     const columns = new Map(channels.map((channel) => [channel, column(points)]));
     offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
-    lanes.set(name, {name, time, columns, metrics, frozen});
+    lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
   }
   return {revision: head.revision, quick: head.quick, horizon: head.horizon, lanes};
 }

@@ -15,9 +15,9 @@ import {recall, remember} from './remembered.js';
 import {BaselineList} from './response_baseline_list.js';
 import {Baselines} from './response_baselines.js';
 import {responsePanels, responseReadings} from './response_curves.js';
-import {ResponseFrozen} from './response_frozen.js';
 import {ResponseHead} from './response_head.js';
 import {ResponseMetrics} from './response_metrics.js';
+import {ResponseRemarks} from './response_remarks.js';
 import {responseTable} from './response_table.js';
 import {RESPONSE_VIEWS} from './response_views.js';
 
@@ -36,9 +36,9 @@ const SHARE = 0.65;
 /**
  * @param {HTMLElement} root
  * @param {Api} api
- * @param {{tab?: Tab}} [desk]
+ * @param {import('./right_panel.js').Desk & {tab?: Tab}} desk
  */
-export function mount(root, api, {tab} = {}) { new ResponseScreen(root, api, tab); }
+export function mount(root, api, desk) { new ResponseScreen(root, api, desk); }
 
 class ResponseScreen {
   #api;
@@ -53,18 +53,19 @@ class ResponseScreen {
   /** @type {Map<string, Range>} */ #zoomed = new Map();
   #opens = recall('response.opens') === '1';
   #metrics = new ResponseMetrics();
-  #frozen = new ResponseFrozen();
+  #remarks;
   #jointToggles = new JointToggles((joint) => this.#toggleJoint(joint));
 
   /**
    * @param {HTMLElement} root
    * @param {Api} api
-   * @param {Tab} [tab]
+   * @param {import('./right_panel.js').Desk & {tab?: Tab}} desk
    */
-  constructor(root, api, tab) {
+  constructor(root, api, desk) {
     this.#api = api;
     this.#root = root;
-    this.#tab = tab;
+    this.#tab = desk.tab;
+    this.#remarks = new ResponseRemarks(api, desk);
     this.#preview = new Preview(api);
     this.#baselines = new Baselines(this.#preview);
     this.stage = element('div', {
@@ -109,7 +110,7 @@ class ResponseScreen {
     this.#root.append(
       this.head.element,
       element('div', {class: 'response-line-up'}, this.legend.element, this.head.switches),
-      this.#frozen.element, this.stage, this.cursors.readout.element, toolbar,
+      this.#remarks.element, this.stage, this.cursors.readout.element, toolbar,
       this.#metrics.element,
     );
   }
@@ -283,7 +284,7 @@ class ResponseScreen {
     )));
     this.tabs.select(this.#view.id);
     this.legend.show({lanes, selected, hidden: this.#hidden, frozen, desired: false});
-    this.#frozen.show(lanes, latest);
+    this.#remarks.show(lanes, latest);
     this.list.show(Boolean(latest));
     this.#jointToggles.show(this.#joints, this.#view.joints);
     this.cursorsButton.setAttribute('aria-pressed', String(this.cursors.any));

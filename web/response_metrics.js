@@ -13,9 +13,19 @@ import {changeOf} from './response_change.js';
  * @typedef {{lanes: import('./api.js').Lane[], selected: string, joints: number[],
  *   current: Response|null, baselines: Baseline[]}} Compared
  */
-/** @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[]}} Row */
+/**
+ * @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[],
+ *   estimate: HTMLTableCellElement}} Row
+ */
 
 const DIVERGED = 'diverged';
+const MILLI = 1000;
+/** Error of an angle [rad] above which a run is not to be trusted blindly; ours. */
+const GOOD = 1e-3;
+const ESTIMATE = {
+  id: 'estimate', title: 'error estimate', unit: 'mrad',
+  meaning: 'By how much the angles of this run may be off, as a second, coarser run tells.',
+};
 
 /** A margin is no figure of a run; of the six mean errors the chosen joints' are shown. */
 function columnsFor(/** @type {number[]} */ joints) {
@@ -49,8 +59,11 @@ export class ResponseMetrics {
     this.#built = built;
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
-      this.#fillCurrent(name, now, columns, name === compared.selected);
-      for (const baseline of shown) this.#fillBaseline(name, baseline, now, columns);
+      const quick = current?.quick ?? false;
+      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, quick});
+      for (const baseline of shown) {
+        this.#fillBaseline(name, baseline, now, columns);
+      }
     }
   }
 
@@ -88,9 +101,12 @@ export class ResponseMetrics {
    * @param {HTMLElement} head
    */
   #row(at, columns, head) {
-    const cells = columns.map(({id}) => element('td', {class: `metrics-number metrics-${id}`}));
-    const row = element('tr', {}, element('th', {scope: 'row'}, head), ...cells);
-    this.#rows.set(at, {row, cells});
+    // First, where it is seen before the figures that it is about.
+    const [estimate, ...cells] = [ESTIMATE, ...columns].map(({id}) => (
+      element('td', {class: `metrics-number metrics-${id}`})
+    ));
+    const row = element('tr', {}, element('th', {scope: 'row'}, head), estimate, ...cells);
+    this.#rows.set(at, {row, cells, estimate});
     return row;
   }
 
@@ -98,16 +114,17 @@ export class ResponseMetrics {
    * @param {string} name
    * @param {LaneResponse|null} now
    * @param {Column[]} columns
-   * @param {boolean} selected
+   * @param {{selected: boolean, quick: boolean}} how
    */
-  #fillCurrent(name, now, columns, selected) {
-    const {row, cells} = /** @type {Row} */ (this.#rows.get(key(name)));
+  #fillCurrent(name, now, columns, {selected, quick}) {
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
     const frozen = now?.frozen;
     row.classList.toggle('is-selected', selected);
     row.classList.toggle('is-frozen', Boolean(frozen));
     const state = /** @type {HTMLElement} */ (row.querySelector('.response-state'));
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
+    fillEstimate(estimate, now, quick);
     columns.forEach((column, index) => setText(cells[index], threeDigits(valueOf(column, now))));
   }
 
@@ -118,8 +135,9 @@ export class ResponseMetrics {
    * @param {Column[]} columns
    */
   #fillBaseline(name, {id, response, failure}, now, columns) {
-    const {row, cells} = /** @type {Row} */ (this.#rows.get(key(name, id)));
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name, id)));
     const then = response?.lanes.get(name) ?? null;
+    fillEstimate(estimate, then, false);
     const reason = incomparable(now, then, failure || (response ? '' : 'being computed'));
     row.title = reason;
     columns.forEach((column, index) => {
@@ -171,11 +189,36 @@ function fill(cell, value, {kind, text}) {
   );
 }
 
+/**
+ * @param {HTMLElement} cell
+ * @param {LaneResponse|null} lane
+ * @param {boolean} quick whether nobody asked for an estimate, because a better run follows
+ */
+function fillEstimate(cell, lane, quick) {
+  const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
+  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || capped > 0;
+  const known = error === null ? (quick ? '…' : '–') : `±${threeDigits(error * MILLI)}`;
+  setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
+  cell.classList.toggle('is-doubtful', doubtful);
+  cell.title = [
+    quick ? 'estimated on release' : '',
+    (error ?? 0) > GOOD ? `above ${threeDigits(GOOD * MILLI)} mrad` : '',
+    unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
+    capped > 0 ? `${counted(capped, 'row')} not cut as far as the error asked` : '',
+  ].filter(Boolean).join(', ');
+}
+
+/**
+ * @param {number} count
+ * @param {string} what
+ */
+function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'}`; }
+
 /** @param {Column[]} columns */
 function heading(columns) {
   return element('thead', {}, element(
     'tr', {}, element('th', {scope: 'col'}, 'lane'),
-    ...columns.map(({title, unit, meaning}) => element(
+    ...[ESTIMATE, ...columns].map(({title, unit, meaning}) => element(
       'th', {scope: 'col', title: meaning}, title,
       unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),
     )),

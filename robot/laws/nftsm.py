@@ -29,8 +29,8 @@ class Nftsm(NftsmSurface, ReachingGains):
         title="Shape by the inertia",
         symbol="MΓ⁻¹",
         group="Reaching",
-        meaning="Multiplies the reaching law by MΓ⁻¹, so that dS/dt = -k₁S - k₂sw(S) holds "
-        "exactly; not in the paper.",
+        meaning="Multiplies the reaching law by MΓ⁻¹, so that dS/dt = -k₁S - k₂sw(S) with "
+        "k₁ in 1/s and k₂ in rad/s², where the model is perfect and F = 0; not in the paper.",
     )
 
     def pack(self) -> Array:

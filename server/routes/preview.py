@@ -14,7 +14,13 @@ from server.studio import Studio
 
 BINARY = "application/octet-stream"
 SUPERSEDED: dict[int | str, dict[str, Any]] = {
-    200: {"content": {BINARY: {}}, "description": "See ``server.preview.encode_responses``."},
+    200: {
+        "content": {BINARY: {}},
+        "description": "See ``server.preview.encode_responses``. Each lane's ``accuracy`` holds "
+        "``error_estimate`` [rad], null in a quick run; ``unconverged``, steps whose equation was "
+        "not solved to its tolerance; ``capped``, rows whose step was not cut as far as its error "
+        "asked; ``remark``, what is wrong and what would help; ``patch``, which sets it, or null.",
+    },
     204: {"description": "The same client has asked for a newer one."},
     422: {"model": ErrorAnswer},
     503: {"model": ErrorAnswer},
@@ -32,7 +38,9 @@ class PreviewRequest(Strict):
     experiment: dict[str, Any] | None = Field(
         None, description="Another experiment than the live one, whole."
     )
-    quick: bool = Field(False, description="2 ms steps, as while a slider is being dragged.")
+    quick: bool = Field(
+        False, description="2 ms steps and no estimate of their error, as during a drag."
+    )
     client: str = Field("", max_length=80, description="A newer request of it cancels the older.")
     show: bool | None = Field(
         None,

@@ -78,7 +78,7 @@ def row(page: Page, lane: str, baseline: str = "") -> Locator:
 
 def figures(page: Page, lane: str, baseline: str = "") -> list[float]:
     """Return MAE of joints 1 to 3, greatest error, chattering, peak torque, flange RMS."""
-    cells = row(page, lane, baseline).locator("td").all_inner_texts()
+    cells = row(page, lane, baseline).locator("td:not(.metrics-estimate)").all_inner_texts()
     return [float(cell.split()[0].replace("−", "-")) for cell in cells]
 
 
@@ -148,7 +148,7 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
 
     with held(page, "lanes.RBFNN-NFTSM.c"):
         expect(page.locator(".response-status")).to_have_attribute("data-run", "quick")
-        expect(row(page, "RBFNN-NFTSM").locator("td").first).not_to_have_text(
+        expect(row(page, "RBFNN-NFTSM").locator(".metrics-mae1")).not_to_have_text(
             f"{expected_figures(run, 'RBFNN-NFTSM')[0]:.3g}"
         )
     until_exact(page, dashboard)
@@ -178,10 +178,10 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
     until_exact(page, dashboard)
     compared = row(page, "RBFNN-NFTSM", "as published")
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▼ \d+ % better"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▼ \d+ % better"))
     type_in(page, "lanes.RBFNN-NFTSM.nu", "0.1")
     until_exact(page, dashboard)
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▲ .+ worse"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
     # Of each lane the baseline, solid, and the current response, dashed.
     lines = page.locator(".response .scatterlayer path.js-line")
@@ -192,7 +192,7 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     page.reload()
     until_exact(page, dashboard)
     expect(page.get_by_role("textbox", name="Name of the baseline")).to_have_value("as published")
-    expect(compared.locator("td").first).to_have_text(re.compile(r"▲ .+ worse"))
+    expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
     page.get_by_role("button", name="Show as published").click()
     expect(lines).to_have_count(3 * len(LANES))
@@ -308,10 +308,49 @@ def test_nobody_pays_for_a_response_that_is_not_seen(page: Page, dashboard: Dash
     expect(tab).to_have_attribute("aria-selected", "true")
 
 
+def test_a_response_says_how_good_it_is_and_a_button_makes_it_better(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_response(page, dashboard)
+    estimate = row(page, "NFTSM").locator(".metrics-estimate")
+    error = simulated(dashboard).lanes["NFTSM"].accuracy.error_estimate
+    assert error is not None
+    shown = estimate.inner_text()
+    assert shown.startswith("±")
+    assert float(shown[1:].replace("−", "-")) == pytest.approx(error * MILLI, rel=AGREEMENT)
+    remarks = page.locator(".response-remarks li")
+    expect(remarks).to_have_count(0)
+
+    coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
+    dashboard.client.patch("/api/experiment", json={"simulation": coarse})
+    until_exact(page, dashboard)
+    expect(estimate).to_have_text(re.compile(r"±3\.\d+ ⚠"))
+    expect(estimate).to_have_class(re.compile("is-doubtful"))
+    expect(remarks).to_have_count(len(LANES))
+    expect(remarks.first).to_contain_text("RBFNN-NFTSM")
+    expect(remarks.first).to_contain_text("off by up to 0.004 rad (estimated)")
+    remarks.first.get_by_role("button", name=re.compile("Set h = 0.00092")).click()
+    until_exact(page, dashboard)
+    expect(remarks).to_have_count(0)
+    expect(estimate).not_to_have_class(re.compile("is-doubtful"))
+    error = simulated(dashboard).lanes["NFTSM"].accuracy.error_estimate
+    assert error is not None
+    assert error < 1e-3
+
+
+def test_a_drag_s_response_has_no_estimate_yet(page: Page, dashboard: Dashboard) -> None:
+    open_response(page, dashboard)
+    estimate = row(page, "NFTSM").locator(".metrics-estimate")
+    with held(page, "lanes.RBFNN-NFTSM.c"):
+        expect(estimate).to_have_text("…")
+    until_exact(page, dashboard)
+    expect(estimate).to_have_text(re.compile("±"))
+
+
 def test_a_diverged_lane_says_when_where_and_why(page: Page, dashboard: Dashboard) -> None:
     open_response(page, dashboard)
     dashboard.client.patch("/api/experiment", json={"simulation": {"mode": "sampled"}})
-    told = page.locator(".response-frozen li")
+    told = page.locator(".response-remarks .is-frozen")
     expect(told).to_have_count(len(LANES))
     words = re.compile(r"RBFNN-NFTSM.*Joint \d left its bounds .* at 0\.0\d+ s")
     expect(told.first).to_contain_text(words)

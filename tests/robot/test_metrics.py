@@ -73,6 +73,33 @@ def test_reaching_time_is_the_first_within_the_layer() -> None:
     assert found == (pytest.approx(0.2), pytest.approx(0.1), 0.0, None, None, None)
 
 
+def test_s_that_jumps_across_a_thin_layer_has_reached_it() -> None:
+    time, sliding = np.arange(5) * 0.1, np.full((5, JOINTS), 9.0)
+    sliding[2:, 0] = -9.0
+    sliding[3, 1] = -0.01
+    layer = np.full(JOINTS, 1e-3)
+    assert reaching_times(time, sliding, layer)[:3] == (
+        pytest.approx(0.2),
+        pytest.approx(0.3),
+        None,
+    )
+
+
+def test_nothing_is_reached_where_no_law_tries() -> None:
+    sliding = np.zeros((5, JOINTS))
+    sliding[:, 1] = 1.0, 0.0, -1.0, 0.0, 1.0
+    assert reaching_times(np.arange(5) * 0.1, sliding, np.zeros(JOINTS)) == (None,) * JOINTS
+
+
+def test_a_span_without_a_row_has_no_figures_rather_than_zeros() -> None:
+    found = measure_lane(np.empty(0), columns(0), np.ones(JOINTS), 0.3)
+    document = found.document()
+    assert document.pop("diverged_at") == 0.3
+    numbers = [one for value in document.values() for one in np.atleast_1d(value)]
+    assert len(numbers) == 5 * JOINTS + 4
+    assert set(numbers) == {None}
+
+
 def test_figures_are_means_and_maxima_over_the_rows() -> None:
     time, data = np.arange(400) * 1e-3, columns(400)
     found = measure_lane(time, data, np.full(JOINTS, 0.01), 0.3)

@@ -69,13 +69,19 @@ def test_a_law_without_a_network_answers_null(served: Served) -> None:
     assert seen(served, lane="NFTSM", lenses=["network"])["network"] is None
 
 
-def test_sign_in_continuous_mode_is_refused_in_words(served: Served) -> None:
-    patch = {"lanes": {"NFTSM": {"switching": "sign"}}}
-    response = served.http.post("/api/lens", json={"lane": "NFTSM", "patch": patch})
-    assert response.status_code == 422
-    error = response.json()["error"]
-    assert error["fields"][0]["path"] == "lanes.NFTSM.switching"
-    assert "sampled" in error["message"]
+def test_sign_in_continuous_mode_holds_s_at_zero_without_chattering(served: Served) -> None:
+    shorten(served)
+    sharp, smooth = (
+        seen(
+            served,
+            lane="RBFNN-NFTSM",
+            patch={"lanes": {"RBFNN-NFTSM": {"switching": name}}},
+            lenses=["chattering"],
+        )
+        for name in ("sign", "tanh")
+    )
+    assert sharp["chattering"]["variation"] < 2.0 * smooth["chattering"]["variation"]
+    assert sharp["chattering"]["mae"] < smooth["chattering"]["mae"]
 
 
 def test_sign_in_sampled_mode_is_compared_by_the_same_route(served: Served) -> None:

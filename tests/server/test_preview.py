@@ -144,6 +144,8 @@ def test_metrics_are_those_of_simulate(served: Served) -> None:
         for name, value in expected.items():
             assert lane["metrics"][name] == pytest.approx(value), name
         assert lane["frozen"] is None
+        assert lane["accuracy"] == run.lanes[lane["name"]].accuracy.document()
+        assert lane["accuracy"]["error_estimate"] < 1e-4
         assert np.isfinite(lanes[lane["name"]]).all()
 
 
@@ -170,6 +172,17 @@ def test_a_quick_run_is_within_a_fifth_of_a_milliradian(served: Served) -> None:
         expected = quick.lanes[name].metrics.mae
         assert lane["metrics"]["mae"] == pytest.approx(expected.tolist())
         assert np.abs(quick.lanes[name].e - exact.lanes[name].e[::2]).max() < 2e-4
+
+
+def test_a_quick_run_has_no_estimate_and_an_exact_one_after_it_has(served: Served) -> None:
+    # Two steps of the arm a period are both: the experiment's own, and good enough for a drag.
+    sampled = {"mode": "sampled", "plant_substeps": 2, "horizon": 0.5}
+    patch = {**CALM, "simulation": sampled}
+    quick, _ = preview(served, patch=patch, quick=True)
+    exact, _ = preview(served, patch=patch)
+    assert quick["lanes"][0]["metrics"] == exact["lanes"][0]["metrics"]
+    assert quick["lanes"][0]["accuracy"]["error_estimate"] is None
+    assert exact["lanes"][0]["accuracy"]["error_estimate"] > 0.0
 
 
 def test_a_patch_is_tried_without_changing_the_live_document(served: Served) -> None:

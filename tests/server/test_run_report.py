@@ -11,6 +11,7 @@ from robot.experiment import Experiment
 from robot.packed import pack
 from robot.simulate import Run, simulate
 from robot.stability import notes
+from server.run_figures import run_page
 from server.run_report import UNITS, figure, json_text, print_report, report
 
 
@@ -28,7 +29,7 @@ def printed(run: Run, since: float = 0.0) -> str:
 
 
 def test_every_figure_has_a_unit(run: Run) -> None:
-    assert set(UNITS) == set(run.lanes["A"].metrics.document())
+    assert set(UNITS) == {*run.lanes["A"].metrics.document(), "error_estimate"}
 
 
 def test_the_json_of_a_diverged_run_is_strict(run: Run) -> None:
@@ -45,6 +46,23 @@ def test_a_lane_that_stood_still_has_no_figures_rather_than_wrong_ones(run: Run)
     assert later["A"]["frozen"]["cause"] == freeze.cause
     assert later["calm"]["metrics"]["diverged_at"] is None
     assert "—" in printed(run, freeze.time + 0.01)
+
+
+def test_how_good_the_run_is_is_told_in_the_table_and_in_words(run: Run) -> None:
+    accuracy = run.lanes["calm"].accuracy
+    assert accuracy.error_estimate is not None
+    document = report(run)
+    assert document["lanes"]["calm"]["accuracy"] == accuracy.document()
+    text = " ".join(printed(run).split())
+    assert "error estimate [mrad]" in text
+    assert figure(accuracy.error_estimate, 1e3) in text
+    coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
+    experiment = {"lanes": {"A": {"law": "rbfnn_nftsm"}}, "simulation": coarse}
+    inaccurate = simulate(Experiment.from_document(experiment))
+    remark = inaccurate.lanes["A"].accuracy.remark
+    assert remark
+    assert f"inaccurate, A: {remark}" in " ".join(printed(inaccurate).split())
+    assert remark in run_page(inaccurate)
 
 
 def test_remarks_and_causes_are_printed_in_words(run: Run) -> None:
