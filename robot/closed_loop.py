@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot.cutting import LIVE_HALVINGS, Cutting
 from robot.lane import Lane
 from robot.packed import Packed
 from robot.workspace import RECORD_COLUMNS
@@ -25,23 +24,20 @@ class ClosedLoop:
         number: how many steps have been made since the start.
     """
 
-    def __init__(self, packed: Packed, rows: int, halvings: int = LIVE_HALVINGS) -> None:
+    def __init__(self, packed: Packed, rows: int) -> None:
         """Stand at the beginning.
 
         Args:
             packed: the experiment as numbers.
             rows: rows that each lane's record holds; step ``n`` writes row ``n % rows``.
-            halvings: how often a step may be halved; by default as in a live session.
         """
-        self._cutting = Cutting(halvings)
         self.packed = packed
         self.rows = rows
         self.lanes = {name: self._lane(name) for name in packed.experiment.lanes}
         self.restart()
 
     def _lane(self, name: str) -> Lane:
-        record = np.zeros((self.rows, RECORD_COLUMNS))
-        return Lane(name, self.packed, record, self._cutting)
+        return Lane(name, self.packed, np.zeros((self.rows, RECORD_COLUMNS)))
 
     @property
     def period(self) -> float:

@@ -12,33 +12,49 @@ from robot.workspace import CAPPED, CUT, ERRORS, OVER, TALLY, WRONG
 Array = np.ndarray
 Attempt = Callable[[float, float, float], int]
 
-LIVE_HALVINGS = 3
-"""How often the live session halves a step at most (*ours*): it has to keep its pace."""
-RUN_HALVINGS = 10
-"""How often a whole run halves a step at most (*ours*)."""
+HALVINGS = 10
+"""How often one step is halved at most (*ours*): down to a thousandth of it."""
 RUN_PARTS = 20
 """Parts that the rows of a whole run may have on average (*ours*)."""
+LIVE_PARTS = 3.0
+"""Parts that the rows of a live session may have on average (*ours*): it has to keep its pace."""
+LIVE_BURST = 600.0
+"""Parts that a live session may spend at once (*ours*): some 3 ms."""
 
 
 class Cutting:
-    """How far steps may be cut, and how much of that is left.
+    """How far a lane's steps may be cut, and how much of that is left: a token bucket.
 
     Attributes:
-        deepest: how often one step may be halved.
+        halvings: how often one step may be halved.
         left: how many parts the rows may still have together, beyond one each.
+        refill: by how many parts that grows with every row, up to ``LIVE_BURST``.
         tolerance: how many times its tolerance the error of a step may be.
     """
 
     def __init__(
-        self, deepest: int = LIVE_HALVINGS, left: float = inf, tolerance: float = 1.0
+        self,
+        halvings: int = HALVINGS,
+        left: float = LIVE_BURST,
+        refill: float = LIVE_PARTS,
+        tolerance: float = 1.0,
     ) -> None:
-        """Set all three."""
-        self.deepest, self.left, self.tolerance = deepest, left, tolerance
+        """Set all four; by default as a live session has them."""
+        self.halvings, self.left, self.refill = halvings, left, refill
+        self.tolerance = tolerance
+        self._filled = 0.0
 
     @classmethod
     def of_whole_run(cls, rows: int, tolerance: float = 1.0) -> Cutting:
         """Return what a run of so many rows may take (*ours*)."""
-        return cls(RUN_HALVINGS, RUN_PARTS * rows, tolerance)
+        return cls(left=RUN_PARTS * rows, refill=0.0, tolerance=tolerance)
+
+    def fill(self, t: float, h: float) -> None:
+        """Add what the rows of length ``h`` until ``t`` are worth."""
+        if self.refill > 0.0:
+            rows = max(0.0, (t - self._filled) / h)
+            self.left = min(LIVE_BURST, self.left + self.refill * rows)
+        self._filled = t
 
 
 def cutter(attempt: Attempt, h: float, cutting: Cutting, work: Array) -> Callable[[float], int]:
@@ -66,10 +82,11 @@ def cutter(attempt: Attempt, h: float, cutting: Cutting, work: Array) -> Callabl
     def cut(t: float) -> int:
         tally[CUT] += 1.0
         errors[OVER] = 0.0
-        if cutting.deepest <= 0:
+        cutting.fill(t, h)
+        if cutting.halvings <= 0:
             return part(t, h, 0)
-        bad = part(t, 0.5 * h, cutting.deepest - 1)
-        bad = bad or part(t + 0.5 * h, 0.5 * h, cutting.deepest - 1)
+        bad = part(t, 0.5 * h, cutting.halvings - 1)
+        bad = bad or part(t + 0.5 * h, 0.5 * h, cutting.halvings - 1)
         if errors[OVER] > 1.0:
             tally[CAPPED] += 1.0
         return bad

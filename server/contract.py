@@ -85,6 +85,9 @@ class LaneStatus(BaseModel):
     radius: float | None = Field(
         description="Spectral radius of one control period where that is the reason."
     )
+    remark: str | None = Field(
+        description="That the live curves are approximate, where they are, in words."
+    )
 
 
 class SessionState(BaseModel):

@@ -23,6 +23,7 @@ from robot.workspace import Q
 from server.pacing import TICK, Pacer
 from server.push import Push
 from server.recorder import Recorder
+from server.roughness import Roughness
 from server.running_metrics import RunningMetrics
 from server.telemetry import Channel, Telemetry, rows_of
 
@@ -91,6 +92,7 @@ class Session:
         self.on_swap: Callable[[], None] = lambda: None
         self.on_notice: Callable[[str], None] = lambda _: None
         self.recorder = Recorder()
+        self._roughness = Roughness()
         self._push = Push()
         self._requests: deque[Request] = deque()
         self._pending: Request | None = None
@@ -207,7 +209,10 @@ class Session:
             "revision": self.revision,
             "epoch": self.epoch,
             "horizon": loop.packed.experiment.simulation.horizon,
-            "lanes": {name: _status(lane.freeze) for name, lane in tuple(loop.lanes.items())},
+            "lanes": {
+                name: {**_status(lane.freeze), "remark": self._roughness.remark(name)}
+                for name, lane in tuple(loop.lanes.items())
+            },
         }
 
     # --- on the session's thread ---------------------------------------------------------------
@@ -259,6 +264,7 @@ class Session:
             self.recorder.look(loop)
             loop.step()
         rows = rows_of(loop, first, loop.number)
+        self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)
         for name, metrics in self.metrics.items():
             freeze = loop.lanes[name].freeze
@@ -311,6 +317,7 @@ class Session:
 
     def _restarted(self) -> None:
         self.epoch += 1
+        self._roughness.restart()
         self.recorder.clear()
         self._push.clear()
         self.pacer.restart()

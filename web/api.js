@@ -29,7 +29,8 @@ export {ApiError};
  */
 /**
  * @typedef {{status: 'running'|'frozen', time: number|null, joint: number|null,
- *   cause: string|null, gamma: number}} LaneState
+ *   cause: string|null, gamma: number|null, radius: number|null,
+ *   remark: string|null}} LaneState
  */
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,

@@ -115,22 +115,25 @@ class LaneList {
       const text = frozen ? 'frozen' : running;
       if (status.textContent !== text) status.textContent = text;
       status.classList.toggle('is-frozen', frozen);
-      this.#explain(cause, frozen ? lane.cause ?? 'It left its bounds.' : '');
+      this.#explain(cause, frozen, frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '');
     }
   }
 
   /**
    * @param {HTMLElement} cause
+   * @param {boolean} frozen
    * @param {string} text
    */
-  #explain(cause, text) {
+  #explain(cause, frozen, text) {
     if (cause.dataset.text === text) return;
     cause.dataset.text = text;
     if (!text) { cause.replaceChildren(); return; }
+    const why = element('span', {class: 'lane-why', title: text}, text);
+    if (!frozen) { cause.replaceChildren(why); return; }
     const reset = element('button', {
       class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
     }, icon('reset'), 'Reset');
-    cause.replaceChildren(element('span', {class: 'lane-why', title: text}, text), reset);
+    cause.replaceChildren(why, reset);
   }
 
   /** @param {string} law */

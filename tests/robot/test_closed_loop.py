@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from robot.closed_loop import ClosedLoop
-from robot.cutting import RUN_HALVINGS
 from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.packed import pack
@@ -74,9 +73,7 @@ def state(loop: ClosedLoop, name: str) -> Array:
 @pytest.mark.parametrize("document", [THREE, HARD], ids=["continuous", "sampled"])
 def test_the_live_loop_and_a_whole_run_give_the_same_bits(document: dict[str, Any]) -> None:
     run = simulate(experiment_of(document))
-    # A live session cuts its steps less finely.
-    loop = ClosedLoop(pack(experiment_of(document)), 512, RUN_HALVINGS)
-    advance(loop, len(run.time))
+    loop = loop_of(document, len(run.time))
     for name, lane in run.lanes.items():
         record = loop.lanes[name].record[: len(run.time)]
         for index, column in enumerate(RECORD[:6]):

@@ -197,7 +197,7 @@ def error_of(lane: dict[str, Any], scheme: str, step: float) -> float:
         packed = pack(Experiment.from_document(document))
         rows = round(0.4 / step) + 1
         # The scheme alone: no step is cut.
-        alone = Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)), Cutting(deepest=0))
+        alone = Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)), Cutting(halvings=0))
         for row in range(rows):
             assert alone.step(row * step, row, row) == 0
         return alone.record[:: round(0.02 / step), :JOINTS]

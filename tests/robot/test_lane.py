@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robot.cutting import LIVE_HALVINGS
+from robot.cutting import HALVINGS
 from robot.dynamics import dynamics
 from robot.experiment import Experiment
 from robot.lane import Lane
@@ -135,7 +135,7 @@ def test_a_stage_that_fails_ends_its_step(failing: int, monkeypatch: pytest.Monk
     assert lane.step(0.5, 0, 0) == 3
     assert asked[:failing] == [0.5, 0.501][:failing]
     # Shorter steps are tried, as far as a live session goes, before it is given up.
-    assert asked[failing:] == [0.5] * LIVE_HALVINGS
+    assert asked[failing:] == [0.5] * HALVINGS
 
 
 def test_a_sample_that_fails_leaves_the_arm_alone(monkeypatch: pytest.MonkeyPatch) -> None:

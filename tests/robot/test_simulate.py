@@ -15,17 +15,14 @@ from pydantic.fields import FieldInfo
 
 from robot.arm import build_model, flange_positions
 from robot.closed_loop import ClosedLoop
-from robot.cutting import Cutting
 from robot.disturbance import Disturbance
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment, Robot, Simulation
-from robot.lane import Lane
 from robot.laws import LAWS
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS, Section
 from robot.simulate import CancelledError, LaneRun, Run, simulate
 from robot.trajectory import CircleTrajectory, HoldTrajectory, QuinticTrajectory, SineTrajectory
-from robot.workspace import RECORD_COLUMNS
 
 Array = np.ndarray
 COLUMNS = ("q", "v", "tau", "S", "f", "weights", "e", "de", "flange", "flange_desired")
@@ -210,37 +207,6 @@ def test_torque_arrives_late_by_the_exact_time(delay: float) -> None:
     np.testing.assert_allclose(held_torques(run, lane, delay), lane.q, atol=1e-9)
     if delay:
         assert np.abs(held_torques(run, lane, 0.0) - lane.q).max() > 1e-7
-
-
-@pytest.mark.parametrize("mode", ["continuous", "sampled"])
-@pytest.mark.parametrize("law", LAWS)
-def test_torque_limits_hold(law: str, mode: str) -> None:
-    limits = [40.0, 60.0, 30.0, 10.0, 8.0, 5.0]
-    gains = {} if law == "computed_torque" else {"k1": 30.0, "k2": 10.0}
-    document = {
-        "robot": {"inertials": "datasheet", "armature": 0.5, "torque_limit": limits},
-        "lanes": {"A": {"law": law, **gains}},
-        "simulation": {
-            "mode": mode,
-            "horizon": 0.3,
-            "initial_error": 0.5,
-            "scheme": "plain",
-            "plant_substeps": 1,
-        },
-    }
-    packed = pack(experiment_of(document))
-    # Steps that are not cut: then the motion from row to row tells one torque.
-    lane = Lane("A", packed, np.zeros((301, RECORD_COLUMNS)), Cutting(deepest=0))
-    for row in range(301):
-        assert lane.step(row * 1e-3, row, row) == 0
-    q, v, tau = lane.record[:, : 3 * JOINTS].reshape(301, 3, JOINTS).transpose(1, 0, 2)
-    assert (np.abs(tau) <= np.array(limits)).all()
-    assert (np.abs(tau) == np.array(limits)).any()
-    # What the joints really got, from the motion itself.
-    model, a = packed.model, np.diff(v, axis=0) / 1e-3
-    data = model.createData()
-    given = [pin.rnea(model, data, *row) for row in zip(q, v, a, strict=False)]
-    assert (np.abs(given) <= np.array(limits) + 1e-6).all()
 
 
 def test_limits_that_are_never_reached_change_nothing() -> None:

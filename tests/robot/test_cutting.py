@@ -1,0 +1,123 @@
+"""Steps that are cut where their own error is too great, and how often."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from robot.cutting import HALVINGS, LIVE_BURST, LIVE_PARTS, Cutting, cutter
+from robot.experiment import Experiment
+from robot.implicit_step import REFUSED
+from robot.lane import Lane
+from robot.laws import LAWS
+from robot.packed import pack
+from robot.quantity import JOINTS
+from robot.workspace import CAPPED, CUT, ERRORS, RECORD_COLUMNS, TALLY, WORK_ROWS, WRONG
+
+Array = np.ndarray
+H = 0.001
+
+
+class Attempts:
+    """Refuses every step that is longer than it likes, and keeps what was asked of it."""
+
+    def __init__(self, longest: Any, work: Array) -> None:
+        self.longest, self.work = longest, work
+        self.made: list[tuple[float, float]] = []
+
+    def __call__(self, t: float, h: float, tolerance: float) -> int:
+        good = h <= self.longest(t) * (1.0 + 1e-9)
+        self.work[ERRORS, WRONG] = 0.5 if good else 3.0
+        if not good and tolerance != np.inf:
+            return REFUSED
+        self.made.append((t, h))
+        return 0
+
+
+def cut(longest: Any, cutting: Cutting, rows: int = 1) -> tuple[Attempts, Array]:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    attempts = Attempts(longest, work)
+    step = cutter(attempts, H, cutting, work)
+    for row in range(rows):
+        assert step(row * H) == 0
+    return attempts, work
+
+
+def test_parts_follow_each_other_and_fill_the_row() -> None:
+    attempts, work = cut(lambda t: H / 64 if t < H / 8 else H / 2, Cutting())
+    starts, lengths = np.array(attempts.made).T
+    np.testing.assert_allclose(starts[1:], np.cumsum(lengths)[:-1], atol=1e-15)
+    assert lengths.sum() == pytest.approx(H)
+    assert (work[TALLY, CUT], work[TALLY, CAPPED]) == (1.0, 0.0)
+    # Short where it has to be, long where it may be.
+    assert lengths.min() == pytest.approx(H / 64)
+    assert lengths.max() == pytest.approx(H / 2)
+
+
+def test_a_step_is_halved_so_often_and_no_more() -> None:
+    attempts, work = cut(lambda t: 0.0, Cutting(left=np.inf, refill=0.0))
+    assert len(attempts.made) == 2**HALVINGS
+    assert work[TALLY, CAPPED] == 1.0
+
+
+def test_a_joint_that_leaves_its_bounds_ends_the_row() -> None:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    asked: list[float] = []
+
+    def attempt(t: float, h: float, tolerance: float) -> int:
+        asked.append(t)
+        return 4
+
+    assert cutter(attempt, H, Cutting(), work)(0.0) == 4
+    assert asked == [0.0] * HALVINGS
+
+
+def test_a_live_session_spends_what_it_has_and_says_so() -> None:
+    rows = 2000
+    attempts, work = cut(lambda t: H / 32, Cutting(), rows)
+    assert len(attempts.made) <= LIVE_BURST + (LIVE_PARTS + 2.0) * rows
+    assert 0.5 * rows < work[TALLY, CAPPED] < rows
+    # Rare cuts cost nothing of the pace: none of them is capped.
+    _, work = cut(lambda t: H / 32 if round(t / H) % 100 == 0 else H, Cutting(), rows)
+    assert work[TALLY, CAPPED] == 0.0
+
+
+def test_a_whole_run_may_take_more_but_not_without_end() -> None:
+    rows = 100
+    attempts, work = cut(lambda t: 0.0, Cutting.of_whole_run(rows), rows)
+    assert len(attempts.made) <= 22 * rows
+    assert work[TALLY, CAPPED] == rows
+
+
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+@pytest.mark.parametrize("law", LAWS)
+def test_torque_limits_hold(law: str, mode: str) -> None:
+    limits = [40.0, 60.0, 30.0, 10.0, 8.0, 5.0]
+    gains = {} if law == "computed_torque" else {"k1": 30.0, "k2": 10.0}
+    document = {
+        "robot": {"inertials": "datasheet", "armature": 0.5, "torque_limit": limits},
+        "lanes": {"A": {"law": law, **gains}},
+        "simulation": {
+            "mode": mode,
+            "horizon": 0.3,
+            "initial_error": 0.5,
+            "scheme": "plain",
+            "plant_substeps": 1,
+        },
+    }
+    packed = pack(Experiment.from_document(document))
+    # Steps that are not cut: then the motion from row to row tells one torque.
+    lane = Lane("A", packed, np.zeros((301, RECORD_COLUMNS)), Cutting(halvings=0))
+    for row in range(301):
+        assert lane.step(row * 1e-3, row, row) == 0
+    q, v, tau = lane.record[:, : 3 * JOINTS].reshape(301, 3, JOINTS).transpose(1, 0, 2)
+    assert (np.abs(tau) <= np.array(limits)).all()
+    assert (np.abs(tau) == np.array(limits)).any()
+    # What the joints really got, from the motion itself.
+    model, a = packed.model, np.diff(v, axis=0) / 1e-3
+    data = model.createData()
+    given = [pin.rnea(model, data, *row) for row in zip(q, v, a, strict=False)]
+    assert (np.abs(given) <= np.array(limits) + 1e-6).all()
