@@ -110,6 +110,8 @@ def _span(values: float | list[float]) -> str:
 
 def _sign(packed: Packed, name: str) -> Iterator[Note]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
+    if simulation.mode != "sampled":
+        return  # there sign holds S at zero
     if getattr(lane, "switching", "") != "sign" or lane.reaching == "power" or not np.any(lane.k2):
         return
     smooth = packed.experiment.patched({"lanes": {name: {"switching": "tanh"}}})

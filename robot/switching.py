@@ -84,7 +84,8 @@ class ReachingGains(Section):
         equation="Eq. 13",
         group="Reaching",
         source="published",
-        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters.",
+        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters "
+        "where the loop is sampled and holds S at zero where it is continuous.",
     )
     reaching: Reaching = field(
         "exponential",

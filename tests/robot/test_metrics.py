@@ -7,8 +7,11 @@ import json
 import numpy as np
 import pytest
 
+from robot.experiment import Experiment
+from robot.lesson_claim import Claim, measured
 from robot.metrics import high_frequency_torque, measure_lane, reaching_times, total_variation
 from robot.quantity import JOINTS
+from robot.simulate import simulate
 
 Array = np.ndarray
 
@@ -98,6 +101,25 @@ def test_a_span_without_a_row_has_no_figures_rather_than_zeros() -> None:
     numbers = [one for value in document.values() for one in np.atleast_1d(value)]
     assert len(numbers) == 5 * JOINTS + 4
     assert set(numbers) == {None}
+
+
+def test_a_lane_that_ended_before_a_span_has_no_figures_there() -> None:
+    falling = {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}
+    experiment = Experiment.from_document(
+        {
+            "lanes": {"A": falling},
+            "disturbance": {"constant": -50.0},
+            "simulation": {"horizon": 0.2},
+        }
+    )
+    lane = simulate(experiment, estimate=False).lanes["A"]
+    assert lane.freeze is not None
+    assert (lane.metrics_since(lane.freeze.time - 1e-9).max_error > 0.0).all()
+    after = lane.metrics_since(lane.freeze.time + 1e-9)
+    assert np.isnan([*after.mae, after.chattering, after.flange_rms]).all()
+    assert after.diverged_at == lane.freeze.time
+    claim = Claim(name="x", metric="reaching_time", lane="A", since=0.19, at_least=0.0)
+    assert not claim.holds(measured(claim, simulate(experiment, estimate=False)))
 
 
 def test_figures_are_means_and_maxima_over_the_rows() -> None:

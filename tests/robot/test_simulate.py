@@ -237,43 +237,6 @@ def test_a_lane_that_leaves_its_bounds_is_nan_from_there_and_never_before() -> N
     assert np.isfinite(run.lanes["holds"].q).all()
 
 
-def test_a_lane_that_ended_before_a_span_has_no_figures_there() -> None:
-    lanes = {"A": {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}}
-    lane = lane_of({**SHORT, "lanes": lanes, "disturbance": {"constant": -50.0}})
-    assert lane.freeze is not None
-    at_the_end = lane.metrics_since(lane.freeze.time - 1e-9)
-    assert (at_the_end.max_error > 0.0).all()
-    after = lane.metrics_since(lane.freeze.time + 1e-9)
-    assert np.isnan([*after.mae, after.chattering, after.flange_rms]).all()
-    assert after.diverged_at == lane.freeze.time
-
-
-GENTLE = {"nu": 1, "c": 1, "mu": 0.1, "k1": 3, "k2": 0.5, "switching": "sign"}
-
-
-def reaching_times_of(lane: dict[str, object], **simulation: object) -> tuple[float | None, ...]:
-    document = {"lanes": {"A": lane}, "simulation": {"horizon": 1.0, **simulation}}
-    return lane_of({**document, "trajectory": {"kind": "hold"}}).metrics.reaching_time
-
-
-def test_what_sign_reaches_does_not_depend_on_the_layer_that_it_ignores() -> None:
-    for sampled in ({}, {"mode": "sampled", "plant_substeps": 4}):
-        thin, wide = (
-            reaching_times_of(
-                {"law": "nftsm", "inertia_shaped": True, **GENTLE, "epsilon": epsilon},
-                initial_error=0.1,
-                **sampled,
-            )
-            for epsilon in (1e-3, 10.0)
-        )
-        assert thin == wide
-        assert all(time is not None and 0.0 < time < 1.0 for time in thin)
-
-
-def test_a_law_without_a_reaching_law_reaches_nothing() -> None:
-    assert reaching_times_of({"law": "computed_torque"}) == (None,) * JOINTS
-
-
 def test_progress_goes_from_none_to_all_in_order() -> None:
     shares: list[float] = []
     lanes = {"A": {"law": "smc"}, "B": {"law": "nftsm"}}

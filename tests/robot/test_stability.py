@@ -249,6 +249,12 @@ PROPOSALS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
 ]
 
 
+def test_sign_is_said_to_chatter_where_it_is_sampled_and_only_there() -> None:
+    sign = {**CHATTERING, "switching": "sign"}
+    assert "lanes.A.switching" in notes_of({**SAMPLED, "robot": DATASHEET}, sign)
+    assert "lanes.A.switching" not in notes_of({"robot": DATASHEET}, sign)
+
+
 @pytest.mark.parametrize(("path", "document", "lane"), PROPOSALS)
 def test_a_note_proposes_what_removes_it(
     path: str, document: dict[str, Any], lane: dict[str, Any]
