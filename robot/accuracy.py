@@ -15,9 +15,9 @@ Array = np.ndarray
 
 GOOD = 1e-3
 """Error of an angle from which on a run says so in words in [rad] (*ours*)."""
-LOOSER = 4.0
-"""How many times its tolerance a step of the second run may be off (*ours*), so that both runs are
-not cut alike."""
+LOOSER = 8.0
+"""How many times its tolerance a step of the second run may be off: the error of a step falls with
+the third power of its length, so that the second run is cut into pieces twice as long."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 

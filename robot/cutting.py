@@ -14,7 +14,7 @@ Attempt = Callable[[float, float, float], int]
 
 HALVINGS = 10
 """How often one step is halved at most (*ours*): down to a thousandth of it."""
-RUN_PARTS = 20
+RUN_PARTS = 40
 """Parts that the rows of a whole run may have on average (*ours*)."""
 LIVE_PARTS = 3.0
 """Parts that the rows of a live session may have on average (*ours*): it has to keep its pace."""

@@ -11,7 +11,18 @@ import numpy as np
 
 from robot.compiled import kernel
 from robot.quantity import JOINTS, Integer, Number, PerJoint, Section, field
-from robot.workspace import DISTURBANCE, F_SLOPE, MEASURED_Q, MEASURED_V, PUSH, F, Q, V
+from robot.workspace import (
+    DISTURBANCE,
+    EDGE,
+    ERRORS,
+    F_SLOPE,
+    MEASURED_Q,
+    MEASURED_V,
+    PUSH,
+    F,
+    Q,
+    V,
+)
 
 Array = np.ndarray
 
@@ -284,15 +295,17 @@ def disturbance_torque(t, width, world, work):  # type: ignore[no-untyped-def]
         t: time in [s].
         width: length of the step in [s]; 0 asks for the torque at ``t``.
         world: what ``pack_world`` returned.
-        work: workspace.
+        work: workspace; writes ERRORS[EDGE] too: whether a pulse begins or ends within the step.
     """
     bits, middle = int(world[COMMON, BITS]), t + 0.5 * width
     wave, pulse = 0.0, 0.0
+    work[ERRORS, EDGE] = 0.0
     if bits & SWINGS:
         omega = world[COMMON, OMEGA]
         wave = sin(omega * middle + world[COMMON, PHASE]) * _damped(0.5 * omega * width)
     if bits & PULSES:
         pulse = _pulse_mean(t, width, world)
+        work[ERRORS, EDGE] = 1.0 if 0.0 < pulse < 1.0 else 0.0
     for j in range(JOINTS):
         torque = world[CONSTANT, j] + wave * world[SINE, j] + pulse * world[PULSE, j]
         if bits & NOISES and world[NOISE, j] != 0.0:

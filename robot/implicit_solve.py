@@ -178,16 +178,19 @@ def _passed(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def
     """
     worst = 0.0
     for j in range(JOINTS):
-        soft = inertia[j, j]
+        soft = _weight(j, inertia, work)
         slope, way = h * work[F_SLOPE, j], abs(work[ACCELERATION, j])
         before = bias[j] + work[F, j]
+        start = 0.0 if work[S_FALL, j] == 0.0 else (work[S_FREE, j] - work[S, j]) / work[S_FALL, j]
         if work[FLAGS, HOLD] != 0.0:
             before -= work[APPLIED, j]
+        elif work[FLAGS, SHAPED] != 0.0:
+            before, slope = -work[REACH, j], work[S_FALL, j] * work[GAIN, j]
+            way = abs(work[ACCELERATION, j] - start)
         else:
             given, free = limited(work[TAU, j], world[LIMIT, j])
             before -= given
             slope += free * work[S_FALL, j] * (work[GAIN, j] + h * work[NETWORK_SLOPE, j])
-            start = (work[S_FREE, j] - work[S, j]) / work[S_FALL, j]
             way = max(way, abs(work[ACCELERATION, j] - start))
         after, steepness = joint_curve(work[ACCELERATION, j], j, h, base, bias, world, work)
         if work[SLIDING, j] == 0.0:
@@ -267,8 +270,7 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
             left = tried
             break
         left = tried
-    if not shaped:
-        passed = _passed(h, base, inertia, bias, world, work)
-        work[ERRORS, PASSED] = max(work[ERRORS, PASSED], passed)
+    passed = _passed(h, base, inertia, bias, world, work)
+    work[ERRORS, PASSED] = max(work[ERRORS, PASSED], passed)
     _keep_held_torque(h, base, inertia, bias, world, work)
     return left**0.5 if isfinite(left) else inf

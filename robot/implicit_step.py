@@ -65,6 +65,7 @@ from robot.workspace import (
     SHAPED,
     TALLY,
     TAU,
+    TRIAL,
     UNSOLVED,
     VD,
     F,
@@ -80,11 +81,13 @@ MAX_VELOCITY = 200.0
 """Velocity [rad/s] past which a lane counts as diverged (*ours*: 64 times the arm's limit)."""
 BENT = 0.385
 """Half the greatest curvature of tanh, 2/(3 sqrt 3): bounds what a tangent misses."""
+TANGENT = 1e-7
+"""Velocity in [rad/s] by which a tangent may be wrong before its curve is solved (*ours*)."""
 REFUSED = -1
 """What a stage returns when its step has to be cut."""
-TOLERANCE_Q = 1e-6
+TOLERANCE_Q = 5e-7
 """Error of one step in an angle from which on it is cut in [rad] (*ours*)."""
-TOLERANCE_V = 1e-4
+TOLERANCE_V = 5e-5
 """Error of one step in a velocity from which on it is cut in [rad/s] (*ours*)."""
 
 
@@ -138,7 +141,7 @@ def _reaching_missed(h, j, work):  # type: ignore[no-untyped-def]
 def _friction_missed(h, base, j, world, work):  # type: ignore[no-untyped-def]
     """Return the same of Coulomb friction."""
     part = h * abs(work[RIGHT, j]) / COULOMB_WIDTH
-    if part < 0.1 and h * BENT * world[COULOMB, j] * part * part <= SOLVED * work[DIAGONAL, j]:
+    if part < 0.1 and h * BENT * world[COULOMB, j] * part * part <= TANGENT * work[DIAGONAL, j]:
         return 0.0, 0.0
     before = tanh(work[base + V, j] / COULOMB_WIDTH)
     after = tanh((work[base + V, j] + h * work[RIGHT, j]) / COULOMB_WIDTH)
@@ -164,7 +167,7 @@ def _smooth(h, world, work):  # type: ignore[no-untyped-def]
     for j in range(JOINTS):
         change = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j] - work[S, j]
         square, layer = change * change, work[CURVE + EPSILON, j] * work[CURVE + EPSILON, j]
-        bound, room = h * BENT * work[CURVE + K2, j] * square, SOLVED * work[DIAGONAL, j]
+        bound, room = h * BENT * work[CURVE + K2, j] * square, TANGENT * work[DIAGONAL, j]
         smooth &= (square <= 0.01 * layer) & (bound <= room * layer)
     return smooth
 
@@ -183,7 +186,7 @@ def _tangents_hold(h, base, inertia, world, work):  # type: ignore[no-untyped-de
         if world[COULOMB, j] != 0.0:
             missed, flatter = _friction_missed(h, base, j, world, work)
             wrong, size = wrong + missed, size + flatter
-        if not h * wrong <= SOLVED * max(size, inertia[j, j]):
+        if not h * wrong <= TANGENT * max(size, inertia[j, j]):
             return False
         if held or world[LIMIT, j] == inf:
             continue
@@ -345,15 +348,16 @@ def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
 @kernel
 def within_bounds(base, work):  # type: ignore[no-untyped-def]
     """Return 0 for a state that may go on, else 1 + the joint that left its bounds."""
+    # One sum a joint instead of ten questions: it isn't finite if a weight is not. Row by row, so
+    # that all six are added at once.
+    for j in range(JOINTS):
+        work[TRIAL, j] = work[base + W, j]
+    for n in range(1, NODES):
+        for j in range(JOINTS):
+            work[TRIAL, j] += work[base + W + n, j]
     for j in range(JOINTS):
         q, v = work[base + Q, j], work[base + V, j]
-        if not (abs(q) <= MAX_ANGLE and abs(v) <= MAX_VELOCITY):
-            return j + 1
-        # One sum instead of ten questions: it isn't finite if a weight is not.
-        weights = 0.0
-        for n in range(NODES):
-            weights += work[base + W + n, j]
-        if not isfinite(weights):
+        if not (abs(q) <= MAX_ANGLE and abs(v) <= MAX_VELOCITY and isfinite(work[TRIAL, j])):
             return j + 1
     return 0
 

@@ -33,6 +33,7 @@ from robot.workspace import (
     CURRENT,
     DISTURBANCE,
     DISTURBANCE_HALF,
+    EDGE,
     ERRORS,
     FLAGS,
     FULL,
@@ -122,6 +123,8 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
         return accept(True, work)
     if row >= 0:
         write_record(row, world, work, record)
+    if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
+        return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
     left = implicit_step(h, CURRENT, FULL, inertia, bias, world, work)
     if row >= 0 and work[FLAGS, HELD] != 0.0:

@@ -7,7 +7,7 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -81,6 +81,8 @@ def plain_step(
     h = packed.experiment.simulation.step
     (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
     numbers = wiring.view(np.float64)
+    # Whether a row is being made in parts, when it begins, and which it is.
+    parted: list[Any] = [False, 0.0, NO_ROW]
 
     def step(t: float, number: int, row: int) -> int:
         crba(arm, data, q)
@@ -88,14 +90,17 @@ def plain_step(
         if believe is not None:
             believe()
         bad = kernel(t, row, wiring)
-        if bad and row >= 0:
+        if bad and not parted[0]:
+            parted[:] = True, t, row
             bad = cut(t)
+            parted[0] = False
             numbers[STEP], numbers[TOLERANCE] = h, cutting.tolerance
         return bad
 
     def attempt(t: float, h: float, tolerance: float) -> int:
         numbers[STEP], numbers[TOLERANCE] = h, tolerance
-        return step(t, 0, NO_ROW)
+        # The first part says what torque the row begins with.
+        return step(t, 0, parted[2] if t == parted[1] else NO_ROW)
 
     numbers[TOLERANCE] = cutting.tolerance
     cut = cutter(attempt, h, cutting, work)
@@ -114,6 +119,8 @@ def extrapolated_step(
     numbers, numbers2 = first.view(np.float64), second.view(np.float64)
 
     half = 0.5 * h
+    # Whether a row is being made in parts, when it begins, and which it is.
+    parted: list[Any] = [False, 0.0, NO_ROW]
 
     def step(t: float, number: int, row: int) -> int:
         crba(arm, data, q)
@@ -127,8 +134,10 @@ def extrapolated_step(
             if believe2 is not None:
                 believe2()
             bad = kernel(t + half, row, second)
-        if bad and row >= 0:
+        if bad and not parted[0]:
+            parted[:] = True, t, row
             bad = cut(t)
+            parted[0] = False
             settle(h, cutting.tolerance)
         return bad
 
@@ -140,7 +149,8 @@ def extrapolated_step(
 
     def attempt(t: float, h: float, tolerance: float) -> int:
         settle(h, tolerance)
-        return step(t, 0, NO_ROW)
+        # The first part says what torque the row begins with.
+        return step(t, 0, parted[2] if t == parted[1] else NO_ROW)
 
     settle(h, cutting.tolerance)
     cut = cutter(attempt, h, cutting, work)

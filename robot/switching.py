@@ -186,8 +186,10 @@ def reach(block, work):  # type: ignore[no-untyped-def]
         block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
         work: workspace; reads S.
     """
-    for row in range(CURVE_ROWS):
-        for j in range(JOINTS):
-            work[CURVE + row, j] = block[row, j]
+    # Once after the lane was bound: its gains stay as they are until it is bound anew.
+    if work[CURVE + CODES, IS_REACHING] == 0.0:
+        for row in range(CURVE_ROWS):
+            for j in range(JOINTS):
+                work[CURVE + row, j] = block[row, j]
     for j in range(JOINTS):
         work[REACH, j], work[GAIN, j] = reaching(block, j, work[S, j])

@@ -9,6 +9,7 @@ from typing import Any
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment
 from robot.laws import LAWS
+from robot.packed import pack
 from robot.presets import load_preset
 from tests.trust.random_experiment import Draw
 
@@ -67,7 +68,9 @@ def widely(seed: int) -> Document:
             drawn["robot"]["payload"]["mass"] = 0.0
         drawn["disturbance"]["pulse"]["start"] = dice.uniform(0.0, 1.0)
         try:
-            return Experiment.from_document(drawn).document()
+            experiment = Experiment.from_document(drawn)
+            pack(experiment)  # refuses a circle that the arm can't follow
+            return experiment.document()
         except InvalidExperimentError:
             continue
     raise AssertionError("no draw was valid")

@@ -205,3 +205,24 @@ def test_angles_move_by_the_velocity_at_the_end() -> None:
     step = Drawn(3, "tanh", "constant")
     moved = step.before[Q] + step.h * step.work[FULL + V]
     np.testing.assert_array_equal(step.work[FULL + Q], moved)
+
+
+def test_a_pulse_that_begins_within_a_step_does_not_show_before_it() -> None:
+    """A joint that slides is held until the pulse comes, and the record says by what."""
+    lane = {"law": "smc", "k1": 0.0, "k2": 60.0, "lambda_": 5.0, "switching": "sign"}
+    document = {
+        "robot": {"armature": 2.0, "inertials": "datasheet"},
+        "lanes": {"A": {**lane, "reaching": "constant"}},
+        "trajectory": {"kind": "hold"},
+        "disturbance": {"pulse": {"amplitude": 190.0, "start": 0.1004, "duration": 0.0503}},
+        "simulation": {"horizon": 0.3},
+    }
+    found = simulate(Experiment.from_document(document)).lanes["A"]
+    before = found.tau[60:101] - found.tau[60]
+    assert np.abs(before).max() < 1e-3
+    assert np.abs(found.S[101]).min() > 1e-4
+    # Each joint is driven away by what k2 can't hold, from the start of the pulse on.
+    fine = simulate(
+        Experiment.from_document({**document, "simulation": {"horizon": 0.3, "step": 5e-5}})
+    ).lanes["A"]
+    np.testing.assert_allclose(found.v[110], fine.v[2200], rtol=1e-4)
