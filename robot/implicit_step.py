@@ -81,7 +81,7 @@ MAX_VELOCITY = 200.0
 """Velocity [rad/s] past which a lane counts as diverged (*ours*: 64 times the arm's limit)."""
 BENT = 0.385
 """Half the greatest curvature of tanh, 2/(3 sqrt 3): bounds what a tangent misses."""
-TANGENT = 1e-7
+TANGENT = 1e-8
 """Velocity in [rad/s] by which a tangent may be wrong before its curve is solved (*ours*)."""
 REFUSED = -1
 """What a stage returns when its step has to be cut."""

@@ -178,7 +178,8 @@ def _too_fast(simulation: Simulation, margin: Margin) -> str:
         return f"{cause}, sign(S) apart. Lower them or sample faster, then reset."
     cause += f": from one sample to the next deviations grow by ρ = {margin.radius:.4g}"
     if margin.gamma is not None:
-        border = f", this loop's border is {margin.limit:.3g}" if margin.limit else ""
+        known = margin.limit is not None and 0.0 < margin.limit < margin.gamma
+        border = f", this loop's border is {margin.limit:.3g}" if known else ""
         cause += f" (γ = {margin.gamma:.3g}{border})"
     return (
         f"{cause}. Lower k₁, k₂/ε or the learning rate, add armature or sample faster, then reset."

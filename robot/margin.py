@@ -6,6 +6,7 @@ below 1. Gamma is the textbook's number, which sees the reaching law alone.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from robot.laws import LAWS
 from robot.packed import Packed
 from robot.period_map import MARGINAL, Around, PeriodMap, calm
 from robot.quantity import JOINTS
-from robot.trajectory import QUINTIC, reference
+from robot.trajectory import QUINTIC, HoldTrajectory, reference
 from robot.wiring import wire
 from robot.workspace import FLAGS, GAIN, QD, RECORD_COLUMNS, S_V, SHAPE, WORK_ROWS, Q, V
 
@@ -32,6 +33,10 @@ _UNSAMPLED = 1e7
 """Control rate in [Hz] that stands for continuous time (*ours*)."""
 _SLOW = 0.05
 """Growth in [1/s] that differences can't tell from none at that rate (*ours*)."""
+_FACTORS = 2.0 ** np.arange(1, 31)
+"""By how much reaching gains are multiplied or divided in search of the border (*ours*)."""
+_MUCH = 10
+"""How many of these are tried where weaker gains do not help (*ours*): a thousandfold."""
 _WEAKER = np.geomspace(1.0, 1e-4, 13)
 """Shares of the layer's slope that an oscillation of growing amplitude feels (*ours*)."""
 
@@ -119,8 +124,9 @@ class Margin:
         bounded: whether what leaves the layer comes to a limit cycle instead of growing on.
         gamma: the sampling margin [-]; ``None`` where the slope of the reaching law depends on how
             far S is from 0 (power), or has no end (sign).
-        limit: gamma at which this very loop leaves its border when its reaching gains grow alike;
-            0 where it does so without them, ``None`` where there is no gamma.
+        limit: gamma at which this very loop leaves its border when its reaching gains grow alike.
+            Above gamma in a loop that is not stable it says from where on stronger gains hold it;
+            0 where no factor does, ``None`` where there is no gamma.
     """
 
     radius: float | None
@@ -163,7 +169,9 @@ def _outside(packed: Packed, name: str) -> Array | None:
 
 
 def _instants(packed: Packed) -> Array:
-    return np.linspace(0.0, packed.experiment.simulation.horizon, _POSES)
+    """Return the instants in [s] at which the loop is looked at: one where nothing moves."""
+    held = isinstance(packed.experiment.trajectory, HoldTrajectory)
+    return np.linspace(0.0, packed.experiment.simulation.horizon, 1 if held else _POSES)
 
 
 def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
@@ -193,14 +201,17 @@ def loop_margin(packed: Packed, name: str) -> Margin:
         packed: the experiment as numbers.
         name: the lane.
     """
-    _, found = worst_instant(packed, name)
+    when, found = worst_instant(packed, name)
     if not _has_gamma(packed, name):
         return _margin(packed, name, found, None, None)
     # The slowest motion and the weakest joint need not stand at the same instant.
     times = _instants(packed).tolist()
     gammas = [sampling_margin(packed, name, _pose(packed, time)) for time in times]
     worst = int(np.argmax(gammas))
-    limit = gammas[worst] * _border(period_map(packed, name, times[worst]))
+    maps = [found]
+    if times[worst] != when:
+        maps.append(period_map(packed, name, times[worst]))
+    limit = gammas[worst] * _border(maps)
     return _margin(packed, name, found, gammas[worst], limit)
 
 
@@ -210,7 +221,7 @@ def margin_at(packed: Packed, name: str, time: float) -> Margin:
     if not _has_gamma(packed, name):
         return _margin(packed, name, found, None, None)
     gamma = sampling_margin(packed, name, _pose(packed, time))
-    return _margin(packed, name, found, gamma, gamma * _border(found))
+    return _margin(packed, name, found, gamma, gamma * _border([found]))
 
 
 def _margin(
@@ -242,23 +253,32 @@ def _pose(packed: Packed, time: float) -> Array:
     return pose
 
 
-def _border(found: PeriodMap) -> float:
-    """Return by how much all reaching gains may be multiplied until the loop leaves its border."""
+def _border(maps: list[PeriodMap]) -> float:
+    """Return by how much all reaching gains may be multiplied until a loop leaves its border.
 
-    def leaves(factor: float) -> bool:
-        return not found.stable(factor, factor)
+    Of a loop that is not stable it is the factor below, or else above 1 that makes it so, where
+    the gains are too weak; 0 where none does.
+    """
 
-    low, high = (1.0, 2.0) if not leaves(1.0) else (0.5, 1.0)
-    while low < 1e9 and not leaves(high):
-        low, high = high, 2.0 * high
-    while low > 1e-9 and leaves(low):
-        low, high = 0.5 * low, low
-    if low <= 1e-9:
-        return 0.0
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if leaves(middle) else (middle, high)
-    return low
+    def holds(factor: float) -> bool:
+        return all(found.stable(factor, factor) for found in maps)
+
+    if holds(1.0):
+        upward = next((factor for factor in _FACTORS if not holds(factor)), None)
+        return float(_FACTORS[-1]) if upward is None else _between(holds, 0.5 * upward, upward)
+    downward = next((1.0 / factor for factor in _FACTORS if holds(1.0 / factor)), None)
+    if downward is not None:
+        return _between(holds, downward, 2.0 * downward)
+    upward = next((factor for factor in _FACTORS[:_MUCH] if holds(factor)), None)
+    return 0.0 if upward is None else _between(holds, upward, 0.5 * upward)
+
+
+def _between(holds: Callable[[float], bool], good: float, bad: float) -> float:
+    """Return where a factor begins to hold, to a thousandth, on its good side."""
+    while abs(good - bad) > 1e-3 * good:
+        middle = float(np.sqrt(good * bad))
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return good
 
 
 def is_stable(packed: Packed, name: str) -> bool:

@@ -65,15 +65,14 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     if layer is not None:
         wide = f"{_span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
-        text = f"{rule}Most of it is k₂/ε: it would take ε = {wide}{instead}."
+        steep = lane.reaching != "power" and np.all(np.divide(lane.k2, lane.epsilon) > lane.k1)
+        whose = "Most of it is k₂/ε: it" if steep else "It"
+        text = f"{rule}{whose} would take ε = {wide}{instead}."
         path = field_path(("lanes", name, "epsilon"))
         yield Note("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
         return
     ways = [] if rate is None else [f"{rate:g} Hz"]
-    if margin.limit:
-        lower = 1.01 * (margin.gamma or 0.0) / margin.limit
-        ways.append(f"reaching gains {_short(lower)} times lower")
-    ways += ["lower gains of the surface"] if not margin.limit else []
+    ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
     ways += ["a shorter delay"] if simulation.input_delay else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Note(
@@ -82,6 +81,16 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
         f"{rule}It would take {' or '.join(ways)}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
+
+
+def _other_gains(margin: Margin, learns: bool) -> list[str]:
+    """Say in words which other gains would make a loop stable."""
+    if margin.gamma and margin.limit:
+        factor = margin.limit / margin.gamma
+        if factor > 1.0:
+            return [f"reaching gains {_short(1.01 * factor)} times higher"]
+        return [f"reaching gains {_short(1.01 / factor)} times lower"]
+    return ["lower gains of the surface"] + (["slower learning"] if learns else [])
 
 
 def _rule(margin: Margin, late: bool) -> str:
@@ -95,6 +104,8 @@ def _rule(margin: Margin, late: bool) -> str:
     gamma = _short(margin.gamma)
     if margin.limit == 0.0:
         return f"{rule}, whatever the reaching gains (γ = {gamma})"
+    if margin.limit > margin.gamma:
+        return f"{rule}, the reaching gains being too weak (γ = {gamma}{delay})"
     return f"{rule} (γ = {gamma}, this loop's border{delay} is {_short(margin.limit)})"
 
 

@@ -13,6 +13,7 @@ from robot.margin import MARGINAL, is_stable, loop_margin, period_map, worst_mar
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS
 from robot.simulate import LaneRun, simulate
+from robot.stability import notes
 from robot.sufficient import sufficient_layer, sufficient_rate
 
 Array = np.ndarray
@@ -281,3 +282,23 @@ def test_a_long_delay_is_judged_by_the_same_roots(periods: int) -> None:
         whole[:size, -JOINTS:] = found.late
         expected = np.abs(np.linalg.eigvals(whole)).max()
         assert found.radius(factor, factor) == pytest.approx(expected, abs=2e-5)
+
+
+def test_gains_too_weak_for_gravity_are_told_to_be_higher() -> None:
+    # Upright, the arm is a pendulum that falls by itself, whatever the control rate.
+    lane = {"law": "nftsm", "nu": 1.0, "c": 1.0, "mu": 0.0, "k2": 0.0}
+    upright = {"trajectory": {"kind": "hold", "position": [0.0, 0.5 * np.pi, 0.0, 0.0, 0.0, 0.0]}}
+    unknown = {"disturbance": {"nominal_mismatch": 0.3}}
+    experiment = sampled({**lane, "k1": 20.0}, 1000.0).patched({**upright, **unknown})
+    packed = pack(experiment)
+    margin = loop_margin(packed, "A")
+    assert not margin.stable
+    assert margin.gamma is not None
+    assert margin.limit is not None
+    assert margin.limit > margin.gamma
+    (note,) = (note for note in notes(packed, "A") if note.path == "simulation.control_rate")
+    factor = float(note.message.split("reaching gains ")[-1].split()[0])
+    assert "times higher" in note.message
+    for share, stable in ((1.0, True), (0.95, False)):
+        stronger = experiment.patched({"lanes": {"A": {"k1": 20.0 * factor * share}}})
+        assert is_stable(pack(stronger), "A") == stable
