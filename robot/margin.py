@@ -142,6 +142,7 @@ class Margin:
     def document(self) -> dict[str, float | bool | None]:
         """Return it as plain JSON values."""
         return {
+            "stable": self.stable,
             "radius": self.radius,
             "bounded": self.bounded,
             "gamma": self.gamma,

@@ -15,7 +15,7 @@ from robot.simulate import LaneRun, simulate
 Array = np.ndarray
 
 QUICK_STEP = 0.002
-"""Step while a slider is being dragged in [s] (*ours*); off by 1e-4 rad at most."""
+"""Step while a slider is being dragged in [s] (*ours*); its error is not estimated."""
 QUICK_SUBSTEPS = 2
 """Steps of the arm a control period while a slider is being dragged (*ours*)."""
 BUCKETS = 400

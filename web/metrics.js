@@ -2,7 +2,9 @@
 /** The table of metrics: one row a lane, brought up to date in place. */
 
 import {element, freshId} from './element.js';
-import {COLUMNS, best, threeDigits} from './metrics_columns.js';
+import {
+  COLUMNS, best, marginText, marginWarns, marginWords, threeDigits,
+} from './metrics_columns.js';
 import {MetricsNotes} from './metrics_notes.js';
 import {recall, remember} from './remembered.js';
 
@@ -10,9 +12,14 @@ import {recall, remember} from './remembered.js';
 /** @typedef {import('./metrics_columns.js').Column} Column */
 /** @typedef {import('./metrics_columns.js').Figures} Figures */
 /** @typedef {import('./metrics_notes.js').Note} Note */
+/** @typedef {import('./metrics_columns.js').Margin} Margin */
 /**
- * @typedef {{total: Figures|null, recent: Figures|null, gamma: number|null, notes: Note[]}}
+ * @typedef {{total: Figures|null, recent: Figures|null, margin: Margin|null, notes: Note[]}}
  *   LaneMetrics
+ */
+/**
+ * @typedef {{figures: Figures|null, margin: Margin|null, values: (number|null)[],
+ *   frozen: boolean}} Filled
  */
 /**
  * @typedef {{row: HTMLTableRowElement, button: HTMLButtonElement,
@@ -137,28 +144,30 @@ class Metrics {
 
   #fill() {
     const {metrics, session} = this.#api;
-    /** @type {Map<string, {figures: Figures|null, values: (number|null)[], frozen: boolean}>} */
+    /** @type {Map<string, Filled>} */
     const lanes = new Map();
     for (const [name, {row, notes}] of this.#rows) {
       const known = /** @type {LaneMetrics|undefined} */ (metrics?.lanes?.[name]);
       const state = session?.lanes?.[name];
       const figures = known?.[this.#span] ?? null;
-      const values = COLUMNS.map(({value}) => value(figures, known?.gamma ?? null));
+      const margin = known?.margin ?? null;
+      const values = COLUMNS.map(({value}) => value(figures, margin));
       const frozen = state?.status === 'frozen';
       row.classList.toggle('is-frozen', frozen);
       notes.show(frozen ? state : null, known?.notes ?? []);
-      lanes.set(name, {figures, values, frozen});
+      lanes.set(name, {figures, margin, values, frozen});
     }
     COLUMNS.forEach((column, index) => {
       // A margin is no merit; and what a lane reached before it stopped can't be compared with
       // those that went on.
       const compared = [...lanes.values()].filter(({frozen}) => !frozen);
-      const least = column.limit !== undefined ? null
+      const least = column.isMargin ? null
         : best(compared.map(({values}) => values[index]));
-      for (const [name, {figures, values, frozen}] of lanes) {
+      for (const [name, {figures, margin, values, frozen}] of lanes) {
         const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
         const isBest = !frozen && least !== null && threeDigits(values[index]) === least;
-        fillCell(cell, column, values[index], figures, isBest);
+        if (column.isMargin) fillMargin(cell, margin);
+        else fillCell(cell, column, values[index], figures, isBest);
       }
     });
   }
@@ -171,18 +180,26 @@ class Metrics {
  * @param {Figures|null} figures
  * @param {boolean} isBest
  */
-function fillCell(cell, {joint, limit}, value, figures, isBest) {
-  const exceeds = limit !== undefined && value !== null && value > limit;
-  const text = `${threeDigits(value)}${exceeds ? ' ⚠' : ''}`;
+function fillCell(cell, {joint}, value, figures, isBest) {
+  const text = threeDigits(value);
   if (cell.textContent !== text) cell.textContent = text;
   cell.classList.toggle('is-best', isBest);
-  cell.classList.toggle('is-over', exceeds);
   const words = [
-    limit !== undefined && value === null ? 'only a sampled loop has a margin' : '',
-    joint && figures ? `joint ${joint(figures)}` : '',
-    exceeds ? `above ${limit}: the sampled loop diverges` : '',
-    isBest ? 'best of all lanes' : '',
+    joint && figures ? `joint ${joint(figures)}` : '', isBest ? 'best of all lanes' : '',
   ].filter(Boolean).join(', ');
+  if (cell.title !== words) cell.title = words;
+}
+
+/**
+ * @param {HTMLTableCellElement} cell
+ * @param {Margin|null} margin
+ */
+function fillMargin(cell, margin) {
+  const warns = marginWarns(margin);
+  const text = `${marginText(margin)}${warns ? ' ⚠' : ''}`;
+  if (cell.textContent !== text) cell.textContent = text;
+  cell.classList.toggle('is-over', warns);
+  const words = marginWords(margin);
   if (cell.title !== words) cell.title = words;
 }
 

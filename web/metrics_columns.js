@@ -9,10 +9,16 @@ import {written} from './quantity.js';
  *   chattering: number, peak_torque: number[], flange_rms: number, flange_max: number}} Figures
  */
 /**
+ * How a sampled loop stands: the spectral radius of one control period, γ, and the γ at which this
+ * very loop leaves its border. Numbers are null where there are none (no γ for sign and power).
+ * @typedef {{stable: boolean, radius: number|null, bounded: boolean, gamma: number|null,
+ *   gamma_limit: number|null}} Margin
+ */
+/**
  * `value` is null where there is none; `joint` says at which joint a greatest value stands.
  * @typedef {{id: string, title: string, unit: string, meaning: string, extra?: boolean,
- *   value: (figures: Figures|null, gamma: number|null) => number|null,
- *   joint?: (figures: Figures) => number, limit?: number}} Column
+ *   value: (figures: Figures|null, margin: Margin|null) => number|null,
+ *   joint?: (figures: Figures) => number, isMargin?: boolean}} Column
  */
 
 const MILLI = 1000;
@@ -72,11 +78,12 @@ export const COLUMNS = [
   },
   {
     id: 'gamma',
-    title: 'margin γ',
+    title: 'γ / border',
     unit: '',
-    meaning: 'Largest eigenvalue of h·D·M⁻¹; a sampled loop diverges above 2.',
-    value: (_, gamma) => gamma,
-    limit: 2,
+    meaning: 'Largest eigenvalue of T·D·M⁻¹, and where this loop leaves its border when its reaching '
+      + 'gains grow. The condition itself is ρ < 1: the spectral radius of one control period.',
+    value: (_, margin) => margin?.gamma ?? null,
+    isMargin: true,
   },
 ];
 
@@ -93,6 +100,39 @@ export function threeDigits(value) {
     return text.includes('e') ? written(Number(text)) : text.replace('-', '−');
   }
   return value.toExponential(DIGITS - 1).replace('e+', 'e').replaceAll('-', '−');
+}
+
+/**
+ * @param {Margin|null} margin
+ * @returns {string} γ and its border, or ρ where there is no γ
+ */
+export function marginText(margin) {
+  if (!margin) return '–';
+  if (margin.gamma !== null) {
+    return `${threeDigits(margin.gamma)} / ${margin.gamma_limit ? threeDigits(margin.gamma_limit) : '–'}`;
+  }
+  return margin.radius === null ? '–' : `ρ ${margin.radius.toPrecision(DIGITS + 1)}`;
+}
+
+/**
+ * @param {Margin|null} margin
+ * @returns {string} what the cell says when it is pointed at
+ */
+export function marginWords(margin) {
+  if (!margin) return 'only a sampled loop has a margin';
+  const {radius, stable, bounded} = margin;
+  if (radius === null) return bounded ? 'sign(S) has no layer: it always chatters' : 'it diverges';
+  const rho = `ρ = ${radius.toPrecision(DIGITS + 2)}`;
+  if (stable) return `${rho}: small deviations die out`;
+  return `${rho}, above 1: ${bounded ? 'a limit cycle' : 'the sampled loop diverges'}`;
+}
+
+/**
+ * @param {Margin|null} margin
+ * @returns {boolean} whether it deserves a warning; that sign(S) chatters is no news
+ */
+export function marginWarns(margin) {
+  return margin !== null && !margin.stable && (margin.radius !== null || !margin.bounded);
 }
 
 /**

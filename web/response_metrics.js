@@ -29,9 +29,9 @@ const ESTIMATE = {
 
 /** A margin is no figure of a run; of the six mean errors the chosen joints' are shown. */
 function columnsFor(/** @type {number[]} */ joints) {
-  return COLUMNS.filter(({id, limit}) => {
+  return COLUMNS.filter(({id, isMargin}) => {
     const [, joint] = /^mae(\d)$/.exec(id) ?? [];
-    return limit === undefined && (!joint || joints.includes(Number(joint)));
+    return !isMargin && (!joint || joints.includes(Number(joint)));
   });
 }
 
@@ -196,7 +196,8 @@ function fill(cell, value, {kind, text}) {
  */
 function fillEstimate(cell, lane, quick) {
   const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
-  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || capped > 0;
+  // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
+  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
   const known = error === null ? (quick ? '…' : '–') : `±${threeDigits(error * MILLI)}`;
   setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
   cell.classList.toggle('is-doubtful', doubtful);
