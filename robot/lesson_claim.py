@@ -159,7 +159,10 @@ def _high_frequency_torque(look: Look) -> float:
 
 def _sign_changes(look: Look) -> float:
     """Return at how many of the rows S has another sign than at the one before, in percent."""
-    positive = look.lane.S[look.run.time >= look.claim.since] > 0.0
+    S = look.lane.S[look.run.time >= look.claim.since]
+    if not np.isfinite(S).all():
+        return np.nan  # the lane ended: what came after is neither a change nor none
+    positive = S > 0.0
     return 100.0 * look.of_joint((positive[1:] != positive[:-1]).mean(axis=0))
 
 

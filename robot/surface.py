@@ -34,7 +34,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Weight of the error; on the surface the error dies with the time constant c/ν.",
+        meaning="Weight of the error; on the surface a slow error dies with the time constant c/ν.",
     )
     c: PerJoint = field(
         10.0,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import isnan
 from typing import Literal
 
 from rich import box
@@ -15,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robot.simulate import LaneRun, Run
+from server.run_report import NONE
 
 UNDISTURBED, DISTURBED, QUINTIC = "paper-undisturbed", "paper", "experiment-quintic"
 PRESETS = (UNDISTURBED, DISTURBED, QUINTIC)
@@ -54,7 +56,7 @@ class Cell:
     """One figure of the table.
 
     Attributes:
-        value: in [rad] or [rad/s].
+        value: in [rad] or [rad/s]; NaN where the lane stopped before there was one.
         verdict: how it stands to the published one.
     """
 
@@ -63,6 +65,8 @@ class Cell:
 
     def text(self) -> str:
         """Return the figure and its mark; a published one as it was printed."""
+        if isnan(self.value):
+            return NONE
         number = f"{self.value:g}" if self.verdict == "published" else f"{self.value:.4f}"
         return f"{number}{MARKS[self.verdict]}"
 

@@ -268,8 +268,10 @@ class Session:
         self.telemetry.write(rows, time, loop.period, self.revision)
         for name, metrics in self.metrics.items():
             freeze = loop.lanes[name].freeze
-            if freeze is None or freeze.time >= time:
-                metrics.add(rows, time, loop.period)
+            # A lane that stands still has no figures: the rows after its last are only held.
+            ran = len(rows) if freeze is None else round((freeze.time - time) / loop.period) + 1
+            if ran > 0:
+                metrics.add(rows[:ran], time, loop.period)
         if self.view is not None:
             self.view.add(rows, loop.period)
         if self._swapped:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 
+import numpy as np
 import pytest
 from rich.console import Console
 
+from robot.experiment import Experiment
 from robot.presets import load_preset
 from robot.simulate import Run, simulate
 from server.paper_table import (
@@ -16,6 +18,7 @@ from server.paper_table import (
     PUBLISHED,
     SOURCES,
     UNDISTURBED,
+    Cell,
     comparison,
     figures,
     flange_rows,
@@ -53,6 +56,16 @@ def test_our_figures_agree_with_an_independent_solution(
     ours = figures(runs[preset].lanes[law])
     for value, wanted, digit in zip(ours, expected, digits, strict=True):
         assert abs(value - wanted) <= 2.0 * 10.0**-digit
+
+
+def test_a_lane_that_stopped_early_has_a_dash_for_a_velocity_error() -> None:
+    simulation = {"mode": "sampled", "horizon": 0.5}
+    document = {"lanes": {"A": {"law": "nftsm"}}, "simulation": simulation}
+    stopped = simulate(Experiment.from_document(document), estimate=False).lanes["A"]
+    assert stopped.freeze is not None
+    *others, velocity = figures(stopped)
+    assert np.isfinite(others).all()
+    assert Cell(velocity, "different").text() == "—"
 
 
 def test_flange_errors_agree_with_an_independent_solution(runs: dict[str, Run]) -> None:

@@ -235,3 +235,23 @@ def test_metrics_are_those_of_simulate(session: Session) -> None:
         assert np.allclose(total["max_error"], wanted.max_error, rtol=1e-9)
         assert total["flange_rms"] == pytest.approx(wanted.flange_rms, rel=1e-9)
         assert np.allclose(total["peak_torque"], wanted.peak_torque)
+        assert total["chattering"] == pytest.approx(wanted.chattering, rel=1e-9)
+
+
+def test_what_stands_still_after_a_freeze_is_in_no_figure(session: Session) -> None:
+    sampled = {"mode": "sampled", "horizon": 0.5}
+    unstable = Experiment.from_document({"lanes": UNSTABLE, "simulation": sampled})
+    session.pause()
+    session.adopt(pack(unstable), 2)
+    session.reset()
+    settle(session)
+    # In one go: the lane's last rows and those after them come together.
+    session.step(501)
+    settle(session)
+    for name, lane in simulate(unstable).lanes.items():
+        total = session.metrics[name].document()["total"]
+        assert total["mae"] == pytest.approx(lane.metrics.mae.tolist(), rel=1e-9)
+        assert total["chattering"] == pytest.approx(lane.metrics.chattering, rel=1e-9)
+    freeze = session.loop.lanes["A"].freeze
+    assert freeze is not None
+    assert freeze.time < 0.4
