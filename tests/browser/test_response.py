@@ -324,12 +324,19 @@ def test_a_response_says_how_good_it_is_and_a_button_makes_it_better(
     coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
     dashboard.client.patch("/api/experiment", json={"simulation": coarse})
     until_exact(page, dashboard)
-    expect(estimate).to_have_text(re.compile(r"±3\.\d+ ⚠"))
+    said = {name: lane.accuracy for name, lane in simulated(dashboard).lanes.items()}
+    error = said["NFTSM"].error_estimate
+    assert error is not None
+    assert error > 1e-3
+    expect(estimate).to_have_text(re.compile(rf"±{int(error * MILLI)}\.\d+ ⚠"))
     expect(estimate).to_have_class(re.compile("is-doubtful"))
     expect(remarks).to_have_count(len(LANES))
     expect(remarks.first).to_contain_text("RBFNN-NFTSM")
-    expect(remarks.first).to_contain_text("off by up to 0.004 rad (estimated)")
-    remarks.first.get_by_role("button", name=re.compile("Set h = 0.00092")).click()
+    expect(remarks.first).to_contain_text(said["RBFNN-NFTSM"].remark)
+    patch = said["RBFNN-NFTSM"].patch
+    assert patch is not None
+    step = f"Set h = {patch['simulation']['step']:g}"
+    remarks.first.get_by_role("button", name=re.compile(re.escape(step))).click()
     until_exact(page, dashboard)
     expect(remarks).to_have_count(0)
     expect(estimate).not_to_have_class(re.compile("is-doubtful"))
