@@ -75,6 +75,7 @@ DISTURBANCE_HALF = RIGHT + 16  # the same over its first half, where that differ
 CHANGE_Q = DISTURBANCE_HALF + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
 CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
 TALLY = CHANGE_Q + 2  # columns below
+MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state
 ERRORS = CHANGE_Q + 3  # columns below
 WORK_ROWS = CHANGE_Q + 4
 

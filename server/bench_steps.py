@@ -172,7 +172,7 @@ def _run(document: dict[str, Any], horizon: float, whole: bool = False) -> Calla
 
     def measure() -> float:
         begin = clock()
-        run = simulate(experiment)
+        run = simulate(experiment, estimate=False)
         taken = clock() - begin
         if any(lane.freeze for lane in run.lanes.values()):
             raise ArithmeticError("a lane left its bounds: its steps can't be counted")

@@ -10,10 +10,11 @@ import numpy as np
 
 from robot.closed_loop import ClosedLoop
 from robot.lane import Freeze
-from robot.workspace import STATE_ROWS, Q
+from robot.workspace import CHANGE_Q, MEMORY_ROWS, STATE_ROWS, Q
 
 Array = np.ndarray
 
+MEMORY = slice(CHANGE_Q, CHANGE_Q + MEMORY_ROWS)
 INTERVAL = 0.1
 """Simulated time between two recorded moments in [s] (*ours*)."""
 LENGTH = 60.0
@@ -27,11 +28,13 @@ class Moment:
     Attributes:
         time: simulated time in [s].
         states: angles, velocities and weights by lane. Shapes (12, 6).
+        memories: what each lane remembered of its last step. Shapes (3, 6).
         freezes: why a lane stood still, by lane.
     """
 
     time: float
     states: dict[str, Array]
+    memories: dict[str, Array]
     freezes: dict[str, Freeze | None]
 
     def angles(self) -> dict[str, Array]:
@@ -63,6 +66,7 @@ class Recorder:
             Moment(
                 time,
                 {name: lane.work[:STATE_ROWS].copy() for name, lane in lanes},
+                {name: lane.work[MEMORY].copy() for name, lane in lanes},
                 {name: lane.freeze for name, lane in lanes},
             )
         )
@@ -91,6 +95,7 @@ class Recorder:
         for name, lane in loop.lanes.items():
             if name in moment.states:
                 lane.work[:STATE_ROWS] = moment.states[name]
+                lane.work[MEMORY] = moment.memories[name]
                 lane.freeze = moment.freezes[name]
         loop.travel(moment.time)
         while self._moments and self._moments[-1].time >= moment.time:

@@ -36,7 +36,7 @@ def _prepare(problem: Problem, steps: int, scheme: Literal["plain", "extrapolate
     experiment = preset.patched({"lanes": others, "simulation": settings})
 
     def run() -> Trace:
-        lane = simulate(experiment).lanes[LANE]
+        lane = simulate(experiment, estimate=False).lanes[LANE]
         return Trace(lane.q[::SAMPLE], None if lane.freeze is None else lane.freeze.time)
 
     return run

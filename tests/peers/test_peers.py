@@ -34,7 +34,11 @@ def test_numpy_on_pinocchio_and_simulate_take_the_same_way(scheme: str) -> None:
     there = angles(numpy_on_pinocchio, problem, scheme, 1000)
     here = angles(ours, problem, scheme, 1000)
     assert here.shape == (1000 // SAMPLE + 1, 6)
-    np.testing.assert_allclose(there, here, rtol=0.0, atol=1e-10)
+    # Ours solves the equation of which theirs takes the first Newton step, and cuts the first rows:
+    # what that leaves is within the bound of `make peers`. Later on both go the same way.
+    np.testing.assert_allclose(there, here, rtol=0.0, atol=1e-6)
+    moved = np.diff(there - here, axis=0)[10:]
+    assert np.abs(moved).max() <= 1e-7
 
 
 @pytest.mark.parametrize(("scheme", "error"), [("plain", 1e-3), ("extrapolated", 5e-5)])

@@ -75,7 +75,7 @@ def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
     assert "off by up to" in accuracy.remark
     if accuracy.patch is None:
         assert "chaotic" in accuracy.remark
-    better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.002}})
+    better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.005}})
     accuracy = lane_of(better).accuracy
     assert accuracy.patch is not None
     for _ in range(4):
