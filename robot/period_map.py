@@ -12,6 +12,7 @@ import numpy as np
 
 from robot.disturbance import BITS, COMMON, COULOMB, LIMIT, LIMITS, RUBS, SENSOR, external_torque
 from robot.dynamics import dynamics
+from robot.experiment import Simulation
 from robot.laws import LAWS
 from robot.packed import Packed
 from robot.quantity import JOINTS
@@ -54,8 +55,44 @@ MARGINAL = 1e-6
 angle that nothing pulls back, stands at 1, and differences know it no better."""
 WITHIN = 1e-3
 """Share of the boundary layer by which the law's map is taken (*ours*)."""
-_SHORT_DELAY = 8
-"""Control periods of delay up to which eigenvalues are taken of the whole map (*ours*)."""
+_LONGEST = 8
+"""Whole periods of delay that are about as many as it takes (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How a control period is cut, in steps of the arm.
+
+    Attributes:
+        step: step of the arm in [s].
+        steps: steps of the arm in a period.
+        delay: steps of the arm from a measurement to its torque.
+        periods: control periods that this one stands for.
+    """
+
+    step: float
+    steps: int
+    delay: int
+    periods: float = 1.0
+
+    @property
+    def period(self) -> float:
+        """Length of the period in [s]."""
+        return self.step * self.steps
+
+
+def timing(simulation: Simulation) -> Timing:
+    """Return the timing of a sampled loop; a long delay is cut into some eight longer periods.
+
+    A delay of n periods takes 6n states. Where it is long, the loop loses its stability slowly
+    against a period, so that longer periods do: a hold delays by half of its length, which the
+    delay then lacks, and what is left is of second order (0.3 % of a gain).
+    """
+    step = 1.0 / (simulation.control_rate * simulation.plant_substeps)
+    short, (whole, part) = simulation.plant_substeps, simulation.delay
+    half = max(0, round(0.5 * short * (whole / _LONGEST - 1.0)))
+    long = short + 2 * half
+    return Timing(step, long, whole * short + part - half, long / short)
 
 
 @dataclass(frozen=True)
@@ -73,7 +110,8 @@ class PeriodMap:
         rest: C: torque but for the reaching law. Shape (6, m).
         proportional: P: the reaching law outside of its layer. Shape (6, m).
         switching: R: what the layer adds. Shape (6, m).
-        delay: n: whole control periods of delay.
+        delay: n: whole periods of delay.
+        timing: the period, which is a longer one under a long delay.
     """
 
     own: Array
@@ -83,17 +121,21 @@ class PeriodMap:
     proportional: Array
     switching: Array
     delay: int
+    timing: Timing
 
     def radius(self, proportional: float = 1.0, switching: float = 1.0) -> float:
         """Return the spectral radius, with the two parts of the reaching law so many times."""
-        if self._line > _SHORT_DELAY:
-            return self._radius_by_winding(proportional, switching)
+        largest = float(np.abs(np.linalg.eigvals(self._whole(proportional, switching))).max())
+        return float(largest ** (1.0 / self.timing.periods))
+
+    def _whole(self, proportional: float, switching: float) -> Array:
+        """Return the matrix of a period over the state and the torques on their way."""
         torque, line = self._torque(proportional, switching), self._line
         A, size = self.own, len(self.own)
         if self.delay == 0:
             A = A + self.late @ torque
         if line == 0:
-            return float(np.abs(np.linalg.eigvals(A)).max())
+            return A
         whole = np.zeros((size + line * JOINTS, size + line * JOINTS))
         whole[:size, :size] = A
         whole[size : size + JOINTS, :size] = torque
@@ -102,12 +144,10 @@ class PeriodMap:
             if 1 <= back <= line:
                 first = size + (back - 1) * JOINTS
                 whole[:size, first : first + JOINTS] = share
-        return float(np.abs(np.linalg.eigvals(whole)).max())
+        return whole
 
     def stable(self, proportional: float = 1.0, switching: float = 1.0) -> bool:
-        """Tell whether small deviations die out; cheaper than ``radius`` under a long delay."""
-        if self._line > _SHORT_DELAY:
-            return not self._outside(1.0 + MARGINAL, proportional, switching)
+        """Tell whether small deviations die out."""
         return self.radius(proportional, switching) <= 1.0 + MARGINAL
 
     @property
@@ -118,46 +158,6 @@ class PeriodMap:
     def _torque(self, proportional: float, switching: float) -> Array:
         slopes: Array = self.rest + proportional * self.proportional + switching * self.switching
         return slopes
-
-    def _outside(self, radius: float, proportional: float, switching: float) -> bool:
-        """Tell whether a root lies outside of a circle, by the argument principle.
-
-        The characteristic function winds round zero on the circle once for each.
-        """
-        torque = self._torque(proportional, switching)
-        late, early, eye = self.late @ torque, self.early @ torque, np.eye(len(self.own))
-
-        def direction(angle: Array) -> Array:
-            back = np.exp(-1j * angle)[:, None, None] / radius
-            terms = back * self.own + back ** (self.delay + 1) * late
-            value: Array = np.linalg.det(eye - terms - back ** (self.delay + 2) * early)
-            return value
-
-        # Roots come in pairs: half the circle tells all. Slow ones crowd near 1.
-        angle = np.linspace(0.0, np.pi, 8 * (self._line + len(self.own)) + 1)
-        angle = np.unique(np.concatenate([angle, np.geomspace(1e-9, angle[1], 60)]))
-        value = direction(angle)
-        for _ in range(40):
-            turned = np.abs(np.angle(value[1:] / value[:-1]))
-            coarse = np.flatnonzero(turned > 0.7)
-            if not len(coarse):
-                break
-            between = 0.5 * (angle[coarse] + angle[coarse + 1])
-            angle = np.insert(angle, coarse + 1, between)
-            value = np.insert(value, coarse + 1, direction(between))
-        turns = np.angle(value[1:] / value[:-1]).sum() / np.pi
-        return bool(abs(turns) > 0.5)
-
-    def _radius_by_winding(self, proportional: float, switching: float) -> float:
-        """Return the spectral radius of a long delay: the circle that holds all roots."""
-        low, high = 0.5, 1.0
-        while self._outside(high, proportional, switching):
-            low, high = high, 2.0 * high
-        for _ in range(30):
-            middle = 0.5 * (low + high)
-            outside = self._outside(middle, proportional, switching)
-            low, high = (middle, high) if outside else (low, middle)
-        return high
 
 
 def calm(packed: Packed) -> Packed:
@@ -175,13 +175,14 @@ def calm(packed: Packed) -> Packed:
 class Around:
     """A lane's control period around the desired motion at one time."""
 
-    def __init__(self, packed: Packed, name: str, time: float) -> None:
+    def __init__(self, packed: Packed, name: str, time: float, cut: Timing | None = None) -> None:
         """Stand on the desired motion, the weights at what holds it.
 
         Args:
             packed: the experiment as numbers, calm.
             name: the lane.
             time: when, in [s].
+            cut: how its period is cut; by default as ``timing`` says.
         """
         lane = packed.experiment.lanes[name]
         self._packed, self._time, self._lane = packed, time, lane
@@ -192,14 +193,11 @@ class Around:
         self._truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
         believed = packed.nominal or packed.model
         self._belief = dynamics(believed, work[CURRENT + Q], work[CURRENT + V])
-        simulation = packed.experiment.simulation
-        self._period = 1.0 / simulation.control_rate
-        self._substeps = simulation.plant_substeps
+        self.timing = cut = cut or timing(packed.experiment.simulation)
         rest = (self._gains, packed.world, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
-        self._control = wire(self._truth, self._belief, *rest, record, step=self._period)
-        step = self._period / self._substeps
-        self._arm = wire(self._truth, self._truth, *rest, record, step=step)
+        self._control = wire(self._truth, self._belief, *rest, record, step=cut.period)
+        self._arm = wire(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
@@ -219,7 +217,7 @@ class Around:
         work = self.work
         work[CURRENT + Q], work[CURRENT + V] = self.q, self.v
         self._truth.refill()
-        external_torque(self._time, self._period, CURRENT, self._packed.world, work)
+        external_torque(self._time, self.timing.period, CURRENT, self._packed.world, work)
         M = np.triu(self._truth.inertia.T)
         M = M + np.triu(M, 1).T
         needed: Array = M @ work[AD] + self._truth.bias + work[F]
@@ -309,32 +307,36 @@ class Around:
         return work[TAU].copy(), reached, moved[self.learning]
 
     def _arm_map(self, part: int) -> tuple[Array, Array, Array]:
-        """Return slopes of angle and velocity after one period over themselves and the torques."""
-        load = self.load
+        """Return slopes of angle and velocity after one period over themselves and the torques.
 
-        def after(q: Array, v: Array, early: Array, late: Array) -> Array:
-            work = self.work
-            work[CURRENT + Q], work[CURRENT + V] = q, v
-            for substep in range(self._substeps):
-                work[APPLIED] = early if substep < part else late
+        Every step is the one at the period's beginning: a pose that went on while time stands
+        would let a loop without stiffness drift where the real one does not.
+        """
+        step, rest = self._arm_step(), np.eye(JOINTS, 3 * JOINTS, 2 * JOINTS)
+        held = np.vstack([step, rest])
+        first = np.linalg.matrix_power(held, part)
+        second = np.linalg.matrix_power(held, self.timing.steps - part)
+        state, both = second[: 2 * JOINTS, : 2 * JOINTS], slice(0, 2 * JOINTS)
+        return (
+            state @ first[both, both],
+            state @ first[both, 2 * JOINTS :],
+            second[both, 2 * JOINTS :],
+        )
+
+    def _arm_step(self) -> Array:
+        """Return slopes of angle and velocity after one step over themselves and the torque."""
+        work, start = self.work, np.concatenate([self.q, self.v, self.load])
+        by = np.repeat([ANGLE, VELOCITY, TORQUE], JOINTS)
+        columns = np.empty((3 * JOINTS, 2 * JOINTS))
+        for column, change in enumerate(np.diag(by)):
+            ends = []
+            for moved in (start + change, start - change):
+                work[[CURRENT + Q, CURRENT + V, APPLIED]] = moved.reshape(3, JOINTS)
                 self._truth.refill()
-                plant_step(self._time + substep * self._period / self._substeps, self._arm)
-            return np.concatenate([work[CURRENT + Q], work[CURRENT + V]])
-
-        start = (self.q, self.v, load, load)
-        maps = []
-        for which, by in enumerate((ANGLE, VELOCITY, TORQUE, TORQUE)):
-            columns = np.zeros((2 * JOINTS, JOINTS))
-            for j in range(JOINTS if which != 2 or part else 0):
-                ends = []
-                for side in (by, -by):
-                    moved = list(start)
-                    moved[which] = moved[which].copy()
-                    moved[which][j] += side
-                    ends.append(after(*moved))
-                columns[:, j] = (ends[0] - ends[1]) / (2.0 * by)
-            maps.append(columns)
-        return np.hstack(maps[:2]), maps[2], maps[3]
+                plant_step(self._time, self._arm)
+                ends.append(work[[CURRENT + Q, CURRENT + V]].ravel())
+            columns[column] = (ends[0] - ends[1]) / (2.0 * by[column])
+        return np.asarray(columns.T)
 
     def map(self, outside: Array | None = None) -> PeriodMap:
         """Return the linear map of one control period.
@@ -342,7 +344,7 @@ class Around:
         Args:
             outside: gains of the same law without its layer, or ``None`` where it has none.
         """
-        whole, part = self._packed.experiment.simulation.delay
+        whole, part = divmod(self.timing.delay, self.timing.steps)
         error = self.steepest()
         learning, rest, reach = self._law_map(error)
         proportional = reach
@@ -356,4 +358,4 @@ class Around:
         plant, early[both], late[both] = self._arm_map(part)
         own[both, both] += plant
         switching = reach - proportional
-        return PeriodMap(own, late, early, rest, proportional, switching, whole)
+        return PeriodMap(own, late, early, rest, proportional, switching, whole, self.timing)

@@ -11,7 +11,7 @@ from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.margin import MARGINAL, is_stable, loop_margin, period_map, worst_margin
 from robot.packed import Packed, pack
-from robot.quantity import JOINTS
+from robot.period_map import Around, Timing, calm
 from robot.simulate import LaneRun, simulate
 from robot.stability import notes
 from robot.sufficient import sufficient_layer, sufficient_rate
@@ -20,8 +20,8 @@ Array = np.ndarray
 SMALL = 1e-8
 """Angle [rad] by which a loop is moved aside: far within every layer."""
 LANES: dict[str, dict[str, Any]] = {
-    "rbfnn_nftsm": {"nu": 10.0, "c": 1.0, "mu": 0.0, "k2": 0.0, "learning_rate": 40.0},
-    "rbfnn_smc": {"lambda_": 10.0, "k2": 0.0, "learning_rate": 40.0},
+    "rbfnn_nftsm": {"nu": 10.0, "c": 1.0, "mu": 0.0, "k2": 0.0, "learning_rate": 1.0},
+    "rbfnn_smc": {"lambda_": 10.0, "k2": 0.0, "learning_rate": 1.0},
     "nftsm": {"nu": 10.0, "c": 1.0, "mu": 0.0, "k2": 0.0},
     "shaped": {"law": "nftsm", "inertia_shaped": True, "nu": 10.0, "c": 1.0, "mu": 0.0, "k2": 0.0},
     "smc": {"lambda_": 10.0, "k2": 0.0},
@@ -73,7 +73,10 @@ def border(law: str, find: Any, **simulation: Any) -> float:
     """Return the gain at which ``find(experiment)`` passes 1, by bisection."""
     lane = {"law": law, **LANES[law]}
     key = GAIN.get(lane["law"], "k1")
-    low, high = 1.0, 400.0 if key == "kd" else 1000.0
+    low, high = 8.0, 400.0 if key == "kd" else 1000.0
+    # Gains that are too weak grow as well, slowly: a bisection from there would find nothing.
+    assert find(sampled({**lane, key: low}, **simulation)) <= 1.0
+    assert find(sampled({**lane, key: high}, **simulation)) > 1.0
     while high / low > 1.003:
         middle = float(np.sqrt(low * high))
         experiment = sampled({**lane, key: middle}, **simulation)
@@ -95,7 +98,9 @@ def test_the_border_is_where_the_sampled_loop_begins_to_diverge(
 ) -> None:
     if (substeps == 1 and delay % 1.0) or (substeps == 1 and law not in ("smc", "rbfnn_nftsm")):
         pytest.skip("a fraction of a period takes steps of the arm; other laws with ten of them")
-    simulation = {"input_delay": delay / 200.0, "plant_substeps": substeps}
+    # Without a delay the border of computed torque lies beyond its field at 200 Hz.
+    rate = 100.0 if law == "computed_torque" and delay < 1.0 else 200.0
+    simulation = {"rate": rate, "input_delay": delay / rate, "plant_substeps": substeps}
 
     def diverges(experiment: Experiment) -> float:
         # Slow drifts of a loop that holds against gravity are not what is looked for.
@@ -268,20 +273,31 @@ def test_an_angle_that_nothing_pulls_back_is_no_instability() -> None:
     assert margin.stable
 
 
-@pytest.mark.parametrize("periods", [9, 40])
-def test_a_long_delay_is_judged_by_the_same_roots(periods: int) -> None:
-    experiment = sampled({"k1": 0.5, "k2": 0.0}, 1000.0, input_delay=periods / 1000.0)
-    found = period_map(pack(experiment), "A", 0.0)
-    for factor in (0.2, 1.0, 5.0):
-        size = len(found.own)
-        whole = np.zeros((size + periods * JOINTS,) * 2)
-        whole[:size, :size] = found.own
-        torque = found.rest + factor * (found.proportional + found.switching)
-        whole[size : size + JOINTS, :size] = torque
-        whole[size + JOINTS :, size:-JOINTS] = np.eye((periods - 1) * JOINTS)
-        whole[:size, -JOINTS:] = found.late
-        expected = np.abs(np.linalg.eigvals(whole)).max()
-        assert found.radius(factor, factor) == pytest.approx(expected, abs=2e-5)
+@pytest.mark.parametrize("substeps", [1, 10])
+@pytest.mark.parametrize("periods", [12.0, 20.3, 40.0])
+def test_a_long_delay_in_longer_periods_has_the_same_border(periods: float, substeps: int) -> None:
+    simulation = {"input_delay": periods / 1000.0, "plant_substeps": substeps}
+    packed = calm(pack(sampled({"k1": 0.5, "k2": 0.0}, 1000.0, **simulation)))
+    whole, part = packed.experiment.simulation.delay
+    exact = Timing(1e-3 / substeps, substeps, whole * substeps + part)
+    maps = [Around(packed, "A", 0.0, cut).map() for cut in (exact, None)]
+    borders = []
+    for found in maps:
+        low, high = 0.01, 100.0
+        while high / low > 1.0005:
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if found.stable(middle) else (low, middle)
+        borders.append(low)
+    assert borders[1] == pytest.approx(borders[0], rel=0.005)
+
+
+@pytest.mark.parametrize("rate", [100.0, 1000.0])
+@pytest.mark.parametrize("kind", ["sine", "quintic", "circle"])
+def test_an_angle_that_nothing_pulls_back_is_none_in_motion_either(kind: str, rate: float) -> None:
+    for lane in ({"law": "computed_torque", "kp": 0.0, "kd": 20.0}, {"k1": 0.0, "k2": 0.0}):
+        document = sampled(lane, rate, horizon=10.0).document()
+        experiment = Experiment.from_document({**document, "trajectory": {"kind": kind}})
+        assert is_stable(pack(experiment), "A")
 
 
 def test_gains_too_weak_for_gravity_are_told_to_be_higher() -> None:
