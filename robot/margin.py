@@ -202,18 +202,13 @@ def loop_margin(packed: Packed, name: str) -> Margin:
         packed: the experiment as numbers.
         name: the lane.
     """
-    when, found = worst_instant(packed, name)
+    maps = [period_map(packed, name, time) for time in _instants(packed).tolist()]
+    # The worst first: where a gain does not do, it is mostly there that it does not.
+    maps.sort(key=lambda found: found.radius(), reverse=True)
     if not _has_gamma(packed, name):
-        return _margin(packed, name, found, None, None)
-    # The slowest motion and the weakest joint need not stand at the same instant.
-    times = _instants(packed).tolist()
-    gammas = [sampling_margin(packed, name, _pose(packed, time)) for time in times]
-    worst = int(np.argmax(gammas))
-    maps = [found]
-    if times[worst] != when:
-        maps.append(period_map(packed, name, times[worst]))
-    limit = gammas[worst] * _border(maps)
-    return _margin(packed, name, found, gammas[worst], limit)
+        return _margin(packed, name, maps[0], None, None)
+    gamma = worst_margin(packed, name)
+    return _margin(packed, name, maps[0], gamma, gamma * _border(maps))
 
 
 def margin_at(packed: Packed, name: str, time: float) -> Margin:

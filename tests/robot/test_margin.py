@@ -318,3 +318,21 @@ def test_gains_too_weak_for_gravity_are_told_to_be_higher() -> None:
     for share, stable in ((1.0, True), (0.95, False)):
         stronger = experiment.patched({"lanes": {"A": {"k1": 20.0 * factor * share}}})
         assert is_stable(pack(stronger), "A") == stable
+
+
+def test_the_border_of_the_gains_counts_all_along_the_motion() -> None:
+    told = 0
+    for seed in range(60):
+        swung = drawn(3000 + seed).patched({"trajectory": {"kind": "sine"}})
+        gains = swung.lanes["A"]
+        margin = loop_margin(pack(swung), "A")
+        if gains.law == "computed_torque" or margin.stable or not margin.limit:
+            continue
+        assert margin.gamma is not None
+        # A hair on the stable side of it; what is not stable as it is may lie below or above it.
+        share = margin.limit / margin.gamma
+        share *= 1.01 if share > 1.0 else 0.99
+        scaled = gains.model_copy(update={"k1": share * gains.k1, "k2": share * gains.k2})
+        assert is_stable(pack(swung.model_copy(update={"lanes": {"A": scaled}})), "A"), seed
+        told += 1
+    assert told > 5
