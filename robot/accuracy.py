@@ -18,6 +18,8 @@ GOOD = 1e-3
 LOOSER = 8.0
 """How many times its tolerance a step of the second run may be off: the error of a step falls with
 the third power of its length, so that the second run is cut into pieces twice as long."""
+ROUGH = 0.02
+"""Share of rows that were not cut far enough from which on a run says so in words (*ours*)."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 
@@ -105,6 +107,12 @@ def judge(
             f"The equation of {unconverged} {'step' if unconverged == 1 else 'steps'} was not "
             f"solved to its tolerance: up to {left:.1g} rad/s are left."
         )
+    simulation = experiment.simulation
+    if capped > ROUGH * simulation.horizon / simulation.row_period:
+        texts.append(
+            f"{capped} rows were not cut as far as their own error asked: the error may well be "
+            "greater than estimated."
+        )
     if error is not None and error > GOOD:
         texts.append(f"The angles are off by up to {error:.1g} rad (estimated).")
         words, patch = _finer(experiment.simulation, error)
@@ -121,14 +129,14 @@ def _finer(simulation: Simulation, error: float) -> tuple[str, dict[str, Any] | 
         factor = ceil(SAFETY * error / GOOD)
         substeps = simulation.plant_substeps * factor
         if substeps > most:
-            return "No number of steps of the arm would do: it may be chaotic.", None
+            return "No number of steps of the arm is known to do.", None
         words = f"{substeps} steps of the arm a control period should do; its estimate will tell."
         return words, {"simulation": {"plant_substeps": substeps}}
     order = 2.0 if simulation.scheme == "extrapolated" else 1.0
     step = _rounded_down(simulation.step / (SAFETY * error / GOOD) ** (1.0 / order))
     least, _ = bounds(Simulation, "step")
     if step < max(least, simulation.horizon / MAX_STEPS):
-        return "No step that is allowed would do: the motion may be chaotic.", None
+        return "No step that is allowed is known to do.", None
     words = f"A step of {1e3 * step:g} ms should do; its estimate will tell."
     return words, {"simulation": {"step": step}}
 

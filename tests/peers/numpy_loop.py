@@ -52,19 +52,22 @@ def follow(
     return Trace(np.array([*rows, state[0]]))
 
 
-def plain(problem: Problem, steps: int, mass_and_bias: MassAndBias) -> Run:
-    """Return a run of the plain scheme, first order."""
+Step = Callable[[float, State], State]
+
+
+def plain_step(problem: Problem, mass_and_bias: MassAndBias) -> Step:
+    """Return a step of the plain scheme, first order."""
     controller, h = Controller(problem), problem.h
 
     def step(t: float, state: State) -> State:
         M, bias = mass_and_bias(state[0], state[1])
         return implicit_step(controller, h, controller(t, *state), M, bias, state)
 
-    return lambda: follow(problem, steps, start(problem), step)
+    return step
 
 
-def extrapolated(problem: Problem, steps: int, mass_and_bias: MassAndBias) -> Run:
-    """Return a run of the extrapolated scheme: two half steps doubled, less one whole step."""
+def extrapolated_step(problem: Problem, mass_and_bias: MassAndBias) -> Step:
+    """Return a step of the extrapolated scheme: two half steps doubled, less one whole step."""
     controller, h, half = Controller(problem), problem.h, 0.5 * problem.h
 
     def step(t: float, state: State) -> State:
@@ -77,6 +80,18 @@ def extrapolated(problem: Problem, steps: int, mass_and_bias: MassAndBias) -> Ru
         q2, v2, W2 = implicit_step(controller, half, answer, M, bias, middle)
         return 2.0 * q2 - q1, 2.0 * v2 - v1, 2.0 * W2 - W1
 
+    return step
+
+
+def plain(problem: Problem, steps: int, mass_and_bias: MassAndBias) -> Run:
+    """Return a run of the plain scheme."""
+    step = plain_step(problem, mass_and_bias)
+    return lambda: follow(problem, steps, start(problem), step)
+
+
+def extrapolated(problem: Problem, steps: int, mass_and_bias: MassAndBias) -> Run:
+    """Return a run of the extrapolated scheme."""
+    step = extrapolated_step(problem, mass_and_bias)
     return lambda: follow(problem, steps, start(problem), step)
 
 

@@ -12,10 +12,15 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from robot.cutting import Cutting
+from robot.lane import Lane
+from robot.packed import pack
+from robot.presets import load_preset
+from robot.workspace import NODES, RECORD_COLUMNS, Q, V, W
 from tests.peers import numpy_on_pinocchio, ours
 from tests.peers.contest import Worker
 from tests.peers.environments import PEERS, Peer, UnavailablePeerError, is_ready
-from tests.peers.numpy_loop import held
+from tests.peers.numpy_loop import extrapolated_step, held, plain_step
 from tests.peers.preset_problem import preset_problem
 from tests.peers.problem import SAMPLE, Array, Problem, Run
 
@@ -39,6 +44,27 @@ def test_numpy_on_pinocchio_and_simulate_take_the_same_way(scheme: str) -> None:
     np.testing.assert_allclose(there, here, rtol=0.0, atol=1e-6)
     moved = np.diff(there - here, axis=0)[10:]
     assert np.abs(moved).max() <= 1e-7
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_from_the_same_state_numpy_and_a_lane_take_the_same_step(scheme: str) -> None:
+    problem = preset_problem("paper")
+    names = dict.fromkeys(set(load_preset("paper").lanes) - {ours.LANE})
+    settings = {"lanes": names, "simulation": {"scheme": scheme}}
+    packed = pack(load_preset("paper").patched(settings))
+    lane = Lane(ours.LANE, packed, np.zeros((1000, RECORD_COLUMNS)), Cutting(halvings=0))
+    make = {"plain": plain_step, "extrapolated": extrapolated_step}[scheme]
+    step = make(problem, numpy_on_pinocchio.mass_and_bias(problem))
+    for row in range(1000):
+        t = row * problem.h
+        before = tuple(lane.work[rows].copy() for rows in (Q, V, slice(W, W + NODES)))
+        assert lane.step(t, row, row) == 0
+        if row < 300:
+            continue  # at the start it solves a curve where NumPy takes its tangent
+        q, v, weights = step(t, before)
+        np.testing.assert_allclose(lane.work[Q], q, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(lane.work[V], v, rtol=0.0, atol=1e-7)
+        np.testing.assert_allclose(lane.work[W : W + NODES], weights, rtol=0.0, atol=1e-7)
 
 
 @pytest.mark.parametrize(("scheme", "error"), [("plain", 1e-3), ("extrapolated", 5e-5)])

@@ -14,7 +14,8 @@ Array = np.ndarray
 
 MAX_ANGLE, MAX_VELOCITY = 100.0, 200.0
 """Where a lane counts as diverged, in [rad] and [rad/s]."""
-_STEPS = 60_000
+STEPS = 60_000
+"""Steps of the integrator after which it gives up."""
 
 
 class GaveUpError(Exception):
@@ -33,7 +34,9 @@ class Solution(NamedTuple):
     end: float
 
 
-def solve(document: dict[str, Any], time: Array, rtol: float, thin: float = 1e-6) -> Solution:
+def solve(
+    document: dict[str, Any], time: Array, rtol: float, thin: float = 1e-6, most: int = STEPS
+) -> Solution:
     """Integrate an experiment of one lane by Radau IIA of order five.
 
     Args:
@@ -41,6 +44,7 @@ def solve(document: dict[str, Any], time: Array, rtol: float, thin: float = 1e-6
         time: when to look in [s], rising from 0. Shape (n,).
         rtol: relative tolerance; the absolute one is a hundredth of it.
         thin: layer that stands for ``sign`` in [rad/s].
+        most: steps after which it gives up.
 
     Raises:
         GaveUpError: if it takes too many steps.
@@ -65,7 +69,7 @@ def solve(document: dict[str, Any], time: Array, rtol: float, thin: float = 1e-6
         while stepper.status == "running":
             stepper.step()
             steps += 1
-            if stepper.status == "failed" or steps > _STEPS:
+            if stepper.status == "failed" or steps > most:
                 raise GaveUpError(f"at {stepper.t:.6g} s after {steps} steps")
             found = stepper.dense_output()
             while row < len(time) and time[row] <= stepper.t:

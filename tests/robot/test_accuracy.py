@@ -74,7 +74,7 @@ def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
     assert accuracy.error_estimate > GOOD
     assert "off by up to" in accuracy.remark
     if accuracy.patch is None:
-        assert "chaotic" in accuracy.remark
+        assert "No step" in accuracy.remark
     better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.005}})
     accuracy = lane_of(better).accuracy
     assert accuracy.patch is not None
@@ -92,6 +92,12 @@ def test_an_unsolved_step_is_never_passed_over() -> None:
     assert "3 steps was not solved" in accuracy.remark
     assert "0.2 rad/s" in accuracy.remark
     assert judge(experiment_of(HARSH), 1e-9, 0, 0.0, 5).remark == ""
+
+
+def test_rows_that_ran_out_of_parts_make_the_estimate_doubtful_in_words() -> None:
+    accuracy = judge(experiment_of(HARSH), 1e-9, 0, 0.0, capped=100)
+    assert "100 rows were not cut as far as their own error asked" in accuracy.remark
+    assert "greater than estimated" in accuracy.remark
 
 
 def test_nobody_pays_for_an_estimate_that_nobody_asked_for() -> None:
