@@ -133,7 +133,7 @@ def test_the_stored_cases_cover_all_that_can_be_chosen() -> None:
     assert sum(robot["torque_limit"] is not None for robot in robots) >= 30
     assert sum(robot["payload"]["mass"] > 0.0 for robot in robots) >= 30
     assert sum(np.any(robot["coulomb_friction"]) for robot in robots) >= 30
-    assert sum(case.agreement < 1e-5 for case in cases) >= 180
+    assert sum(case.agreement < 1e-5 for case in cases) >= 196
 
 
 @pytest.mark.parametrize("number", [0, 2, 108])
