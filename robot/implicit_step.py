@@ -50,6 +50,7 @@ from robot.workspace import (
     LEARNING,
     LEARNT,
     LEFT,
+    LOAD,
     MATRIX,
     NETWORK,
     NETWORK_SLOPE,
@@ -68,6 +69,7 @@ from robot.workspace import (
     TRIAL,
     UNSOLVED,
     VD,
+    YIELD,
     F,
     Q,
     S,
@@ -83,6 +85,8 @@ BENT = 0.385
 """Half the greatest curvature of tanh, 2/(3 sqrt 3): bounds what a tangent misses."""
 TANGENT = 1e-8
 """Velocity in [rad/s] by which a tangent may be wrong before its curve is solved (*ours*)."""
+_TANGENTS = 3
+"""How often new tangents are tried before the curves themselves are solved (*ours*)."""
 REFUSED = -1
 """What a stage returns when its step has to be cut."""
 TOLERANCE_Q = 5e-7
@@ -209,6 +213,54 @@ def _final_torque(h, j, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _follow_tanh(h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+    """Take new tangents at the end of the step, a few times; tell whether they hold in the end.
+
+    It is Newton's method, for steps that bend within the layer of tanh and do not pass through it:
+    there it converges at once and costs a tenth of solving the curves. LOAD, YIELD and TRIAL hold
+    value, slope and place of the tangents.
+    """
+    if int(world[COMMON, BITS]) & KINKS or work[FLAGS, HOLD] != 0.0:
+        return False
+    if work[CURVE + CODES, IS_REACHING] == 0.0 or work[FLAGS, SHAPED] != 0.0:
+        return False
+    smooth = work[CURVE + CODES, SWITCHING_CODE] == TANH
+    if not smooth or work[CURVE + CODES, REACHING_CODE] == POWER:
+        return False
+    for j in range(JOINTS):
+        s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
+        if not abs(s - work[S, j]) <= work[CURVE + EPSILON, j]:
+            return False
+        work[TRIAL, j] = s
+        work[LOAD, j], work[YIELD, j] = reaching_at(s, j, work)
+    for _ in range(_TANGENTS):
+        for i in range(JOINTS):
+            for j in range(i, JOINTS):
+                work[MATRIX + i, j] = inertia[i, j]
+            slope, learning = work[YIELD, i], h * work[NETWORK_SLOPE, i]
+            diagonal = inertia[i, i] + h * work[F_SLOPE, i]
+            diagonal += (slope + learning) * work[S_FALL, i]
+            work[MATRIX + i, i] = work[DIAGONAL, i] = diagonal
+            given = work[TAU, i] - work[REACH, i] - h * work[LEAKAGE, i] * work[NETWORK, i]
+            given += work[LOAD, i] + slope * (work[S_FREE, i] - work[TRIAL, i])
+            work[RIGHT, i] = given + learning * work[S_FREE, i] - bias[i] - work[F, i]
+        solve_symmetric(work)
+        holds = True
+        for j in range(JOINTS):
+            s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
+            if not abs(s - work[S, j]) <= work[CURVE + EPSILON, j]:
+                return False
+            value, slope = reaching_at(s, j, work)
+            missed = abs(value - work[LOAD, j] - work[YIELD, j] * (s - work[TRIAL, j]))
+            size = work[DIAGONAL, j] + min(0.0, slope - work[YIELD, j]) * work[S_FALL, j]
+            holds &= h * missed <= TANGENT * max(size, inertia[j, j])
+            work[LOAD, j], work[YIELD, j], work[TRIAL, j] = value, slope, s
+        if holds:
+            return True
+    return False
+
+
+@kernel
 def _solve(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
     """Solve the filled system and, where its tangents fail, the true one; the answer in RIGHT.
 
@@ -220,6 +272,8 @@ def _solve(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
     else:
         solve_symmetric(work)
     if _smooth(h, world, work) or _tangents_hold(h, base, inertia, world, work):
+        return 0.0
+    if _follow_tanh(h, inertia, bias, world, work):
         return 0.0
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
