@@ -15,7 +15,7 @@ from robot.compiled import kernel
 from robot.disturbance import BITS, COMMON, COULOMB, COULOMB_WIDTH, KINKS, LIMIT
 from robot.elimination import solve, solve_symmetric
 from robot.implicit_solve import SOLVED, solve_curves
-from robot.joint_curve import reaching_at
+from robot.joint_curve import reaching_at, shaped_reaching
 from robot.quantity import JOINTS
 from robot.switching import (
     CODES,
@@ -129,7 +129,7 @@ def _shape(work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _reaching_missed(h, j, work):  # type: ignore[no-untyped-def]
+def _reaching_missed(h, base, j, work):  # type: ignore[no-untyped-def]
     """Return by how much the tangent of the reaching law is wrong at the end of the step.
 
     Returns:
@@ -137,8 +137,11 @@ def _reaching_missed(h, j, work):  # type: ignore[no-untyped-def]
     """
     change = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j] - work[S, j]
     value, slope = reaching_at(work[S, j] + change, j, work)
+    fall = work[S_FALL, j] * slope
+    if work[FLAGS, SHAPED] != 0.0:
+        value, fall = shaped_reaching(value, fall, work[RIGHT, j], j, h, base, work)
     missed = abs(value - work[REACH, j] - work[GAIN, j] * change)
-    return missed, min(0.0, slope - work[GAIN, j]) * work[S_FALL, j]
+    return missed, min(0.0, fall - work[GAIN, j] * work[S_FALL, j])
 
 
 @kernel
@@ -184,7 +187,7 @@ def _tangents_hold(h, base, inertia, world, work):  # type: ignore[no-untyped-de
     for j in range(JOINTS):
         size, wrong = work[DIAGONAL, j], 0.0
         if bends:
-            missed, flatter = _reaching_missed(h, j, work)
+            missed, flatter = _reaching_missed(h, base, j, work)
             share = work[SHAPE + j, j] if shaped else 1.0
             wrong, size = wrong + share * missed, size + share * flatter
         if world[COULOMB, j] != 0.0:

@@ -22,7 +22,9 @@ from robot.switching import (
 )
 from robot.workspace import (
     ACCELERATION,
+    AD,
     APPLIED,
+    BENDS,
     CURVE,
     CURVE_ROWS,
     FLAGS,
@@ -33,10 +35,14 @@ from robot.workspace import (
     LOST,
     NETWORK_SLOPE,
     REACH,
+    S_E,
     S_FALL,
     S_FREE,
+    S_V,
     SHAPED,
     SLIDING,
+    TERMINAL,
+    VD,
     YIELD,
     S,
     V,
@@ -45,6 +51,10 @@ from robot.workspace import (
 _ITERATIONS = 100
 _EXACT = 1e-14
 """Relative change at which one joint's own equation counts as solved (*ours*)."""
+_FLATTEST = 1e-3
+"""Share of a joint's inertia below which its curve is not taken to fall (*ours*)."""
+_STILL = 1e-12
+"""Velocity in [rad/s] below which an error stands still (*ours*): its power has no slope there."""
 
 
 @kernel
@@ -83,10 +93,43 @@ def limited(torque, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def joint_curve(a, j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
-    """Return G_j(a) in [N m] and its slope, not negative.
+def shaped_reaching(value, fall, a, j, h, base, work):  # type: ignore[no-untyped-def]
+    r"""Return what SHAPE spreads of joint ``j``, and by how much it falls with the acceleration.
 
-    Where SHAPE spreads the reaching law over all joints, it is the reaching law alone.
+    SHAPE may be an inertia over :math:`\Gamma = \partial S/\partial\dot e`, which changes a
+    hundredfold where the velocity error turns: within one step the torque changes with it. So what
+    such a law puts behind the inertia is taken with Gamma at the end of the step,
+
+    .. math:: r_j(a_j) = \frac{\Gamma}{\Gamma_1}\,[R(S_1) + \nu\,\dot e_1] - \nu\,\dot e, \qquad
+        \dot e_1 = \dot e + h(\ddot q_d - a_j)
+
+    Args:
+        value: the reaching law at the end of the step.
+        fall: by how much that falls with the acceleration.
+        a: acceleration in [rad/s^2].
+        j: joint.
+        h: step in [s].
+        base: first row of the state from which the step starts.
+        work: workspace; reads TERMINAL where BENDS is set.
+    """
+    if work[FLAGS, BENDS] == 0.0:
+        return value, fall
+    nu, ratio, before = work[S_E, j], work[TERMINAL + 2, j], work[VD, j] - work[base + V, j]
+    de = before + h * (work[AD, j] - a)
+    size = max(abs(de), _STILL)
+    steeper = ratio * work[TERMINAL + 1, j] * size ** (ratio - 1.0)
+    gamma = work[TERMINAL, j] + steeper
+    bend = (ratio - 1.0) * steeper * de / (size * size)
+    share, whole = work[S_V, j] / gamma, value + nu * de
+    return share * whole - nu * before, share * (fall + h * nu - h * whole * bend / gamma)
+
+
+@kernel
+def joint_curve(a, j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
+    """Return G_j(a) in [N m] and its slope.
+
+    Where SHAPE spreads the reaching law over all joints, it is the reaching law alone; only there
+    its slope may be negative.
     """
     if work[FLAGS, HOLD] != 0.0:
         torque, slope = lost_torque(a, j, h, base, world, work)
@@ -94,7 +137,8 @@ def joint_curve(a, j, h, base, bias, world, work):  # type: ignore[no-untyped-de
     s, fall = work[S_FREE, j] - work[S_FALL, j] * a, work[S_FALL, j]
     value, steepness = reaching_at(s, j, work)
     if work[FLAGS, SHAPED] != 0.0:
-        return -value, fall * steepness
+        value, slope = shaped_reaching(value, fall * steepness, a, j, h, base, work)
+        return -value, slope
     learning = h * work[NETWORK_SLOPE, j]
     given, free = limited(work[GIVEN, j] + value + learning * s, world[LIMIT, j])
     torque, slope = lost_torque(a, j, h, base, world, work)
@@ -115,7 +159,9 @@ def _jump(j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
         return inf, 0.0, 0.0
     a, k2 = work[S_FREE, j] / fall, curve[K2, j]
     if work[FLAGS, SHAPED] != 0.0:
-        return a, -k2, k2
+        before, _ = shaped_reaching(k2, 0.0, a, j, h, base, work)
+        after, _ = shaped_reaching(-k2, 0.0, a, j, h, base, work)
+        return a, -before, -after
     torque, _ = lost_torque(a, j, h, base, world, work)
     before, _ = limited(work[GIVEN, j] + k2, world[LIMIT, j])
     after, _ = limited(work[GIVEN, j] - k2, world[LIMIT, j])
@@ -160,7 +206,7 @@ def balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
     slope = m
     for _ in range(_ITERATIONS):
         value, steepness = joint_curve(a, j, h, base, bias, world, work)
-        wrong, slope = m * a + value - load, m + steepness
+        wrong, slope = m * a + value - load, max(m + steepness, _FLATTEST * m)
         if wrong > 0.0:
             high = a
         else:

@@ -13,7 +13,7 @@ from robot.quantity import JOINTS, PerJoint, Section, field
 from robot.stages import begin, command, finish, observe
 from robot.surface import linear_surface
 from robot.wiring import law_arrays
-from robot.workspace import AD, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
+from robot.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
 
 Array = np.ndarray
 
@@ -71,7 +71,7 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
     """
     linear_surface(gains[:1], work)
     no_network(work)
-    work[FLAGS, SHAPED] = 1.0
+    work[FLAGS, SHAPED], work[FLAGS, BENDS] = 1.0, 0.0
     for j in range(JOINTS):
         work[GAIN, j] = gains[KD, j]
         work[REACH, j] = gains[KD, j] * work[S, j]

@@ -12,10 +12,10 @@ from robot.laws.law import Law
 from robot.network import no_network
 from robot.quantity import JOINTS, field
 from robot.stages import begin, command, finish, observe
-from robot.surface import NftsmSurface, nftsm_surface
+from robot.surface import C, MU, RATIO, NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import FLAGS, REACH, S_V, SHAPE, SHAPED, TAU
+from robot.workspace import BENDS, FLAGS, REACH, S_V, SHAPE, SHAPED, TAU, TERMINAL
 
 Array = np.ndarray
 
@@ -58,9 +58,11 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shaped = gains[9, 0] != 0.0
-    work[FLAGS, SHAPED] = 1.0 if shaped else 0.0
+    work[FLAGS, SHAPED] = work[FLAGS, BENDS] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:
+            work[TERMINAL, i], work[TERMINAL + 1, i] = gains[C, i], gains[MU, i]
+            work[TERMINAL + 2, i] = gains[RATIO, i]
             for j in range(JOINTS):
                 share = nominal_M[i, j] / work[S_V, j]
                 work[SHAPE + i, j] = share
