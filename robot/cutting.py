@@ -10,7 +10,12 @@ import numpy as np
 from robot.workspace import CAPPED, CUT, ERRORS, OVER, TALLY, WRONG
 
 Array = np.ndarray
-Attempt = Callable[[float, float, float], int]
+Settle = Callable[[float, float], None]
+Step = Callable[[float, int, int], int]
+"""``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
+
+NO_ROW = -1
+"""Row of a step that is only part of one: nothing is recorded."""
 
 HALVINGS = 10
 """How often one step is halved at most (*ours*): down to a thousandth of it."""
@@ -57,38 +62,51 @@ class Cutting:
         self._filled = t
 
 
-def cutter(attempt: Attempt, h: float, cutting: Cutting, work: Array) -> Callable[[float], int]:
-    """Return what makes a refused step in parts, each as long as its own error allows.
+class Parts:
+    """Makes a refused step in parts, each as long as its own error allows."""
 
-    Args:
-        attempt: makes a step from the current state: ``(t, h, tolerance) -> 0, joint or REFUSED``.
-        h: length of a whole step in [s].
-        cutting: how far it may go.
-        work: the lane's workspace, whose TALLY counts.
-    """
-    tally, errors = work[TALLY], work[ERRORS]
+    def __init__(self, settle: Settle, attempt: Step, h: float, cutting: Cutting, work: Array):
+        """Bind what makes a part.
 
-    def part(t: float, h: float, halvings: int) -> int:
-        cutting.left -= 1.0
-        last = halvings <= 0 or cutting.left < 0.0
-        bad = attempt(t, h, inf if last else cutting.tolerance)
-        if last:
-            errors[OVER] = max(errors[OVER], errors[WRONG])
-            return bad
-        if not bad:
-            return 0
-        return part(t, 0.5 * h, halvings - 1) or part(t + 0.5 * h, 0.5 * h, halvings - 1)
+        Args:
+            settle: sets length and tolerance of what follows: ``(h, tolerance)``.
+            attempt: makes a step from the current state: ``(t, number, row) -> 0, joint or
+                REFUSED``.
+            h: length of a whole step in [s].
+            cutting: how far it may go.
+            work: the lane's workspace, whose TALLY counts.
+        """
+        self._settle, self._attempt, self._h, self._cutting = settle, attempt, h, cutting
+        self._tally, self._errors = work[TALLY], work[ERRORS]
+        settle(h, cutting.tolerance)
 
-    def cut(t: float) -> int:
-        tally[CUT] += 1.0
-        errors[OVER] = 0.0
+    def make(self, t: float, row: int) -> int:
+        """Make the step from ``t`` that is recorded in ``row``; return 0 or 1 + bad joint."""
+        h, cutting = self._h, self._cutting
+        self._tally[CUT] += 1.0
+        self._errors[OVER] = 0.0
         cutting.fill(t, h)
         if cutting.halvings <= 0:
-            return part(t, h, 0)
-        bad = part(t, 0.5 * h, cutting.halvings - 1)
-        bad = bad or part(t + 0.5 * h, 0.5 * h, cutting.halvings - 1)
-        if errors[OVER] > 1.0:
-            tally[CAPPED] += 1.0
+            bad = self._part(t, row, h, 0)
+        else:
+            bad = self._halves(t, row, h, cutting.halvings)
+        if self._errors[OVER] > 1.0:
+            self._tally[CAPPED] += 1.0
+        self._settle(h, cutting.tolerance)
         return bad
 
-    return cut
+    def _halves(self, t: float, row: int, h: float, halvings: int) -> int:
+        half = 0.5 * h
+        # The first part says what torque the row begins with.
+        bad = self._part(t, row, half, halvings - 1)
+        return bad or self._part(t + half, NO_ROW, half, halvings - 1)
+
+    def _part(self, t: float, row: int, h: float, halvings: int) -> int:
+        self._cutting.left -= 1.0
+        last = halvings <= 0 or self._cutting.left < 0.0
+        self._settle(h, inf if last else self._cutting.tolerance)
+        bad = self._attempt(t, 0, row)
+        if last:
+            self._errors[OVER] = max(self._errors[OVER], self._errors[WRONG])
+            return bad
+        return self._halves(t, row, h, halvings) if bad else 0

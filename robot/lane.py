@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.cutting import Cutting
+from robot.cutting import Cutting, Step
 from robot.experiment import Simulation
 from robot.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from robot.laws import LAWS
 from robot.margin import Margin, is_stable_unsampled, margin_at
 from robot.packed import Packed
 from robot.quantity import JOINTS
-from robot.steps import Step, bind_step, torques_on_the_way
+from robot.steps import bind_step, torques_on_the_way
 from robot.trajectory import reference
 from robot.workspace import PUSH, QD, RECORD, RECORD_COLUMNS, STATE_ROWS, TAU, VD, WORK_ROWS, Q, V
 
@@ -54,7 +54,7 @@ class Lane:
         record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
         freeze: why it stands still, ``None`` while it runs.
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
-        step: the bound step; see ``robot.steps.Step``.
+        step: the bound step; see ``robot.cutting.Step``.
     """
 
     def __init__(

@@ -7,12 +7,12 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from robot.cutting import Cutting, cutter
+from robot.cutting import Cutting, Parts, Step
 from robot.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from robot.dynamics import dynamics
 from robot.laws.law import Law
@@ -34,11 +34,6 @@ from robot.workspace import (
 )
 
 Array = np.ndarray
-Step = Callable[[float, int, int], int]
-"""``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
-
-NO_ROW = -1
-"""Row of a step that is only part of one: nothing is recorded."""
 
 
 class Stage(NamedTuple):
@@ -78,33 +73,25 @@ def plain_step(
 ) -> Step:
     """Return the plain implicit step of continuous mode."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    h = packed.experiment.simulation.step
     (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
     numbers = wiring.view(np.float64)
-    # Whether a row is being made in parts, when it begins, and which it is.
-    parted: list[Any] = [False, 0.0, NO_ROW]
 
-    def step(t: float, number: int, row: int) -> int:
-        crba(arm, data, q)
-        bias(arm, data, q, v)
-        if believe is not None:
-            believe()
-        bad = kernel(t, row, wiring)
-        if bad and not parted[0]:
-            parted[:] = True, t, row
-            bad = cut(t)
-            parted[0] = False
-            numbers[STEP], numbers[TOLERANCE] = h, cutting.tolerance
-        return bad
-
-    def attempt(t: float, h: float, tolerance: float) -> int:
+    def settle(h: float, tolerance: float) -> None:
         numbers[STEP], numbers[TOLERANCE] = h, tolerance
-        # The first part says what torque the row begins with.
-        return step(t, 0, parted[2] if t == parted[1] else NO_ROW)
 
-    numbers[TOLERANCE] = cutting.tolerance
-    cut = cutter(attempt, h, cutting, work)
-    return step
+    def bound(parts: Callable[[float, int], int] | None) -> Step:
+        def step(t: float, number: int, row: int) -> int:
+            crba(arm, data, q)
+            bias(arm, data, q, v)
+            if believe is not None:
+                believe()
+            bad = kernel(t, row, wiring)
+            return parts(t, row) if bad and parts else bad
+
+        return step
+
+    h = packed.experiment.simulation.step
+    return bound(Parts(settle, bound(None), h, cutting, work).make)
 
 
 def extrapolated_step(
@@ -112,34 +99,11 @@ def extrapolated_step(
 ) -> Step:
     """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    h = packed.experiment.simulation.step
     (arm, data), q, v, believe, first = _stage(FIRST, CURRENT, law, packed, gains, work, record)
     later = _stage(SECOND, HALF, law, packed, gains, work, record)
     (_, data2), q2, v2, believe2, second = later
     numbers, numbers2 = first.view(np.float64), second.view(np.float64)
-
-    half = 0.5 * h
-    # Whether a row is being made in parts, when it begins, and which it is.
-    parted: list[Any] = [False, 0.0, NO_ROW]
-
-    def step(t: float, number: int, row: int) -> int:
-        crba(arm, data, q)
-        bias(arm, data, q, v)
-        if believe is not None:
-            believe()
-        bad = kernel(t, row, first)
-        if not bad:
-            crba(arm, data2, q2)
-            bias(arm, data2, q2, v2)
-            if believe2 is not None:
-                believe2()
-            bad = kernel(t + half, row, second)
-        if bad and not parted[0]:
-            parted[:] = True, t, row
-            bad = cut(t)
-            parted[0] = False
-            settle(h, cutting.tolerance)
-        return bad
+    half = 0.0
 
     def settle(h: float, tolerance: float) -> None:
         nonlocal half
@@ -147,14 +111,25 @@ def extrapolated_step(
         numbers[STEP] = numbers2[STEP] = h
         numbers[TOLERANCE] = numbers2[TOLERANCE] = tolerance
 
-    def attempt(t: float, h: float, tolerance: float) -> int:
-        settle(h, tolerance)
-        # The first part says what torque the row begins with.
-        return step(t, 0, parted[2] if t == parted[1] else NO_ROW)
+    def bound(parts: Callable[[float, int], int] | None) -> Step:
+        def step(t: float, number: int, row: int) -> int:
+            crba(arm, data, q)
+            bias(arm, data, q, v)
+            if believe is not None:
+                believe()
+            bad = kernel(t, row, first)
+            if not bad:
+                crba(arm, data2, q2)
+                bias(arm, data2, q2, v2)
+                if believe2 is not None:
+                    believe2()
+                bad = kernel(t + half, row, second)
+            return parts(t, row) if bad and parts else bad
 
-    settle(h, cutting.tolerance)
-    cut = cutter(attempt, h, cutting, work)
-    return step
+        return step
+
+    h = packed.experiment.simulation.step
+    return bound(Parts(settle, bound(None), h, cutting, work).make)
 
 
 def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Array:

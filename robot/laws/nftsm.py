@@ -12,7 +12,7 @@ from robot.laws.law import Law
 from robot.network import no_network
 from robot.quantity import JOINTS, field
 from robot.stages import begin, command, finish, observe
-from robot.surface import C, MU, RATIO, NftsmSurface, nftsm_surface
+from robot.surface import MU, RATIO, C, NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
 from robot.workspace import BENDS, FLAGS, REACH, S_V, SHAPE, SHAPED, TAU, TERMINAL

@@ -42,7 +42,7 @@ KEEP_SHOWN = """
     new MutationObserver(keep).observe(seen, {...what, subtree: true});
   }
 """
-"""Keeps everything that an element shows from now on: a hand that rests is soon answered exactly."""
+"""Keeps all that an element shows from now on: what a resting hand sees is soon replaced."""
 AGREEMENT = 0.01
 """Greatest relative difference between a figure on the screen, which has three digits, and ours."""
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from robot.cutting import HALVINGS, LIVE_BURST, LIVE_PARTS, Cutting, cutter
+from robot.cutting import HALVINGS, LIVE_BURST, LIVE_PARTS, NO_ROW, Cutting, Parts
 from robot.experiment import Experiment
 from robot.implicit_step import REFUSED
 from robot.lane import Lane
@@ -26,23 +28,31 @@ class Attempts:
 
     def __init__(self, longest: Any, work: Array) -> None:
         self.longest, self.work = longest, work
+        self.h, self.tolerance = 0.0, 0.0
         self.made: list[tuple[float, float]] = []
+        self.rows: list[int] = []
 
-    def __call__(self, t: float, h: float, tolerance: float) -> int:
-        good = h <= self.longest(t) * (1.0 + 1e-9)
+    def settle(self, h: float, tolerance: float) -> None:
+        self.h, self.tolerance = h, tolerance
+
+    def attempt(self, t: float, number: int, row: int) -> int:
+        good = self.h <= self.longest(t) * (1.0 + 1e-9)
         self.work[ERRORS, WRONG] = 0.5 if good else 3.0
-        if not good and tolerance != np.inf:
+        if not good and self.tolerance != np.inf:
             return REFUSED
-        self.made.append((t, h))
+        self.made.append((t, self.h))
+        self.rows.append(row)
         return 0
 
 
 def cut(longest: Any, cutting: Cutting, rows: int = 1) -> tuple[Attempts, Array]:
     work = np.zeros((WORK_ROWS, JOINTS))
     attempts = Attempts(longest, work)
-    step = cutter(attempts, H, cutting, work)
+    parts = Parts(attempts.settle, attempts.attempt, H, cutting, work)
     for row in range(rows):
-        assert step(row * H) == 0
+        assert parts.make(row * H, row) == 0
+        # What comes next is a whole step again.
+        assert (attempts.h, attempts.tolerance) == (H, cutting.tolerance)
     return attempts, work
 
 
@@ -57,6 +67,26 @@ def test_parts_follow_each_other_and_fill_the_row() -> None:
     assert lengths.max() == pytest.approx(H / 2)
 
 
+def test_the_first_part_alone_records_the_row() -> None:
+    attempts, _ = cut(lambda t: H / 8, Cutting(), rows=2)
+    assert attempts.rows == [0] + 7 * [NO_ROW] + [1] + 7 * [NO_ROW]
+
+
+@pytest.mark.parametrize("scheme", ["plain", "extrapolated"])
+def test_a_lane_that_is_let_go_frees_its_memory_at_once(scheme: str) -> None:
+    experiment = {"lanes": {"A": {"law": "smc"}}, "simulation": {"scheme": scheme}}
+    lane = Lane("A", pack(Experiment.from_document(experiment)), np.zeros((2, RECORD_COLUMNS)))
+    for row in range(2):
+        assert lane.step(row * H, row, row) == 0
+    record = weakref.ref(lane.record)
+    gc.disable()
+    try:
+        del lane
+        assert record() is None
+    finally:
+        gc.enable()
+
+
 def test_a_step_is_halved_so_often_and_no_more() -> None:
     attempts, work = cut(lambda t: 0.0, Cutting(left=np.inf, refill=0.0))
     assert len(attempts.made) == 2**HALVINGS
@@ -67,11 +97,12 @@ def test_a_joint_that_leaves_its_bounds_ends_the_row() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     asked: list[float] = []
 
-    def attempt(t: float, h: float, tolerance: float) -> int:
+    def attempt(t: float, number: int, row: int) -> int:
         asked.append(t)
         return 4
 
-    assert cutter(attempt, H, Cutting(), work)(0.0) == 4
+    parts = Parts(lambda h, tolerance: None, attempt, H, Cutting(), work)
+    assert parts.make(0.0, 0) == 4
     assert asked == [0.0] * HALVINGS
 
 
