@@ -20,7 +20,8 @@ class Case(NamedTuple):
     """One experiment and its solution.
 
     Attributes:
-        origin: ``hand``, a preset with sliders moved, or ``wide``, drawn over all bounds.
+        origin: how it was drawn: ``hand``, a preset with sliders moved, ``wide``, over all bounds,
+            or ``world``, a preset whose disturbance, payload, limit or start was moved.
         seed: what it was drawn from.
         document: the experiment as plain values.
         q: angles in [rad] at ``TIME``, NaN after it left its bounds. Shape (51, 6).

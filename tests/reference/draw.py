@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from typing import Any
 
+from robot.disturbance import Disturbance
 from robot.errors import InvalidExperimentError
-from robot.experiment import Experiment
+from robot.experiment import Experiment, Robot, Simulation
 from robot.laws import LAWS
 from robot.packed import pack
 from robot.presets import load_preset
@@ -24,14 +26,21 @@ _SECTIONS = (
 )
 
 
+_WORLD = (
+    (Disturbance, "disturbance.sine", ("amplitude", "frequency", "phase")),
+    (Disturbance, "disturbance.pulse", ("amplitude", "duration")),
+    (Disturbance, "disturbance.noise", ("amplitude", "bandwidth")),
+    (Robot, "robot.payload", ("mass",)),
+    (Robot, "robot", ("torque_limit",)),
+    (Simulation, "simulation", ("initial_error",)),
+)
+
+
 def by_hand(seed: int) -> Document:
     """Return a lane of a shipped preset with one to four sliders moved."""
     dice = random.Random(seed)
-    preset = load_preset(dice.choice(_STEERED))
-    name = dice.choice(list(preset.lanes))
-    others = {other: None for other in preset.lanes if other != name}
-    lane: Document = {}
-    patch: Document = {"lanes": {name: lane, **others}, "simulation": _simulation()}
+    preset, name, patch = _steered(dice)
+    lane = patch["lanes"][name]
     sliders = [("lane", key) for key in _numbers(type(preset.lanes[name])) if key not in "pk"]
     for section, keys in _SECTIONS:
         known = _numbers(type(getattr(preset, section)))
@@ -45,6 +54,27 @@ def by_hand(seed: int) -> Document:
             lane["switching"] = dice.choice(["tanh", "saturation", "sign"])
         if dice.random() < 0.3:
             lane["reaching"] = dice.choice(["exponential", "constant", "power"])
+    return preset.patched(patch).document()
+
+
+def in_its_world(seed: int) -> Document:
+    """Return a lane of a shipped preset, its world moved in one to three places and one gain."""
+    dice = random.Random(seed)
+    preset, name, patch = _steered(dice)
+    kind = type(preset.lanes[name])
+    key = dice.choice([key for key in _numbers(kind) if key not in "pk"])
+    patch["lanes"][name][key] = _placed(dice, _numbers(kind)[key])
+    for root, path, keys in dice.sample(_WORLD, dice.randint(1, 3)):
+        first, *inner = path.split(".")
+        section, place = root, patch.setdefault(first, {})
+        for part in inner:
+            section, place = section.model_fields[part].annotation, place.setdefault(part, {})
+        numbers = _numbers(section)
+        place.update({key: _placed(dice, numbers[key]) for key in keys})
+        if path == "disturbance.pulse":
+            place["start"] = dice.uniform(0.0, 0.9)
+        if path == "robot.payload":
+            place["known"] = dice.random() < 0.5
     return preset.patched(patch).document()
 
 
@@ -76,6 +106,14 @@ def widely(seed: int) -> Document:
     raise AssertionError("no draw was valid")
 
 
+def _steered(dice: random.Random) -> tuple[Experiment, str, Document]:
+    """Return a shipped preset, the name of one of its lanes, and a patch that leaves that alone."""
+    preset = load_preset(dice.choice(_STEERED))
+    name = dice.choice(list(preset.lanes))
+    others = {other: None for other in preset.lanes if other != name}
+    return preset, name, {"lanes": {name: {}, **others}, "simulation": _simulation()}
+
+
 def _simulation() -> Document:
     return {"mode": "continuous", "step": 0.001, "scheme": "extrapolated", "horizon": HORIZON}
 
@@ -92,3 +130,11 @@ def _placed(dice: random.Random, extra: Document) -> float:
     if extra.get("scale") == "log":
         return min(max(math.exp(dice.uniform(math.log(low), math.log(high))), low), high)
     return dice.uniform(low, high)
+
+
+DRAWS: dict[str, Callable[[int], Document]] = {
+    "hand": by_hand,
+    "wide": widely,
+    "world": in_its_world,
+}
+"""How the experiments of each origin are drawn from a seed."""

@@ -1,17 +1,21 @@
-"""Solves the experiments of the reference anew: ``python -m tests.reference.make_data``."""
+"""Solves the experiments of the reference: ``python -m tests.reference.make_data``.
+
+What is stored and would be drawn the same again is kept; ``--all`` solves that anew as well.
+"""
 
 from __future__ import annotations
 
+import sys
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 from rich.progress import track
 
-from tests.reference.data import PATH, TIME, Case, write
-from tests.reference.draw import by_hand, widely
+from tests.reference.data import PATH, TIME, Case, read, write
+from tests.reference.draw import DRAWS
 from tests.reference.solve import STEPS, GaveUpError, solve
 
-EACH = 100
+EACH = {"hand": 100, "wide": 100, "world": 60}
 """Experiments of each origin."""
 ATTEMPTS = ((1e-9, 1e-11, STEPS), (1e-7, 1e-9, 10 * STEPS))
 """Relative tolerances of the two solutions, of which the finer one is kept, and steps of each; the
@@ -21,7 +25,7 @@ second attempt is for what the first gives up."""
 def solved(task: tuple[str, int]) -> Case:
     """Draw and solve one experiment, twice."""
     origin, seed = task
-    document = by_hand(seed) if origin == "hand" else widely(seed)
+    document = DRAWS[origin](seed)
     for rough, fine, steps in ATTEMPTS:
         try:
             one = solve(document, TIME, rough, thin=1e-6, most=steps)
@@ -37,10 +41,18 @@ def solved(task: tuple[str, int]) -> Case:
 
 
 def main() -> None:
-    """Solve all and keep them."""
-    tasks = [(origin, seed) for origin in ("hand", "wide") for seed in range(EACH)]
+    """Solve what is asked for and keep all."""
+    known = {} if "--all" in sys.argv[1:] else {case[:2]: case for case in read()}
+    tasks = [(origin, seed) for origin, count in EACH.items() for seed in range(count)]
+    missing = [
+        (origin, seed)
+        for origin, seed in tasks
+        if (origin, seed) not in known or known[origin, seed].document != DRAWS[origin](seed)
+    ]
     with ProcessPoolExecutor() as pool:
-        cases = list(track(pool.map(solved, tasks), total=len(tasks), description="Solving"))
+        solving = track(pool.map(solved, missing), total=len(missing), description="Solving")
+        known.update(zip(missing, solving, strict=True))
+    cases = [known[task] for task in tasks]
     write(cases)
     clear = [case for case in cases if case.agreement < 1e-5]
     print(f"{len(cases)} cases, {len(clear)} determined, {PATH.stat().st_size / 1e3:.0f} kB")

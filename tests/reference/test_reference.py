@@ -16,7 +16,7 @@ from robot.laws import LAWS
 from robot.presets import load_preset
 from tests.reference.arm import JOINTS, arm
 from tests.reference.data import TIME, read
-from tests.reference.draw import by_hand, widely
+from tests.reference.draw import DRAWS, widely
 from tests.reference.loop import Loop
 from tests.reference.solve import solve
 
@@ -110,10 +110,9 @@ def test_its_jacobian_is_the_derivative(seed: int) -> None:
 
 def test_the_stored_cases_are_those_that_are_drawn() -> None:
     cases = read()
-    assert [case.origin for case in cases] == ["hand"] * 100 + ["wide"] * 100
+    assert [case.origin for case in cases] == ["hand"] * 100 + ["wide"] * 100 + ["world"] * 60
     for case in cases[::7]:
-        again = by_hand(case.seed) if case.origin == "hand" else widely(case.seed)
-        assert again == case.document
+        assert DRAWS[case.origin](case.seed) == case.document
 
 
 def test_the_stored_cases_cover_all_that_can_be_chosen() -> None:
@@ -133,7 +132,11 @@ def test_the_stored_cases_cover_all_that_can_be_chosen() -> None:
     assert sum(robot["torque_limit"] is not None for robot in robots) >= 30
     assert sum(robot["payload"]["mass"] > 0.0 for robot in robots) >= 30
     assert sum(np.any(robot["coulomb_friction"]) for robot in robots) >= 30
-    assert sum(case.agreement < 1e-5 for case in cases) >= 196
+    world = [case.document for case in cases if case.origin == "world"]
+    for part in ("sine", "pulse", "noise"):
+        assert sum(np.any(one["disturbance"][part]["amplitude"]) for one in world) >= 10
+    assert sum(np.any(one["simulation"]["initial_error"]) for one in world) >= 10
+    assert sum(case.agreement < 1e-5 for case in cases) >= 256
 
 
 @pytest.mark.parametrize("number", [0, 2, 108])

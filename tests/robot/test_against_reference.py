@@ -1,4 +1,4 @@
-"""Runs of 200 drawn experiments against a reference that shares no code with them."""
+"""Runs of 260 drawn experiments against a reference that shares no code with them."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ from robot.simulate import simulate
 from robot.switching import ReachingGains, reach
 from robot.workspace import (
     AD,
+    BENDS,
     CURRENT,
     F_SLOPE,
     FLAGS,
@@ -34,6 +35,7 @@ from robot.workspace import (
     SHAPED,
     SLIDING,
     TAU,
+    TERMINAL,
     VD,
     WORK_ROWS,
     F,
@@ -226,3 +228,43 @@ def test_a_pulse_that_begins_within_a_step_does_not_show_before_it() -> None:
         Experiment.from_document({**document, "simulation": {"horizon": 0.3, "step": 5e-5}})
     ).lanes["A"]
     np.testing.assert_allclose(found.v[110], fine.v[2200], rtol=1e-4)
+
+
+@pytest.mark.parametrize("reaching", REACHINGS)
+@pytest.mark.parametrize("switching", SWITCHINGS)
+def test_a_shaped_law_has_the_slope_of_the_surface_at_the_end(
+    switching: str, reaching: str
+) -> None:
+    compared = 0
+    for seed in range(60):
+        step = Drawn(seed, switching, reaching, shaped=True)
+        work, h, nu = step.before.copy(), 0.01 * step.h, step.before[S_E]
+        c, mu, ratio = np.array([[0.1], [3.0], [5.0 / 3.0]]) * np.ones(JOINTS)
+        work[FLAGS, BENDS], work[TERMINAL : TERMINAL + 3] = 1.0, (c, mu, ratio)
+
+        def slope(de: Array) -> Array:
+            return c + ratio * mu * np.abs(de) ** (ratio - 1.0)  # noqa: B023
+
+        de = work[VD] - work[V]
+        work[S_V] = slope(de)
+        work[SHAPE : SHAPE + JOINTS] = share = 0.9 * step.M / work[S_V]
+        # The equivalent control is behind the same inertia.
+        work[TAU] = step.rest + share @ (work[REACH] + nu * de)
+        before = work.copy()
+        left = implicit_step(h, CURRENT, FULL, step.M, step.bias, step.world, work)
+        if left > SOLVED or work[FLAGS, HELD]:
+            continue
+        compared += 1
+        a = (work[FULL + V] - work[V]) / h
+        after = de + h * (work[AD] - a)
+        s = before[S] + h * (before[S_V] * (work[AD] - a) + nu * (work[VD] - work[FULL + V]))
+        at = np.zeros((WORK_ROWS, JOINTS))
+        at[S] = s
+        reach(step.gains.pack_reaching(), at)
+        asked = step.rest + 0.9 * step.M @ ((at[REACH] + nu * after) / slope(after))
+        v = work[FULL + V]
+        lost = 2.0 * v + step.coulomb * np.tanh(v / COULOMB_WIDTH)
+        needed = step.M @ a + step.bias + lost
+        room = 1e-5 * (1.0 + np.abs(needed).max()) + 10.0 * SOLVED * np.diag(step.M).max() / h
+        assert np.abs(needed - asked).max() <= room, seed
+    assert compared > 30
