@@ -7,7 +7,8 @@ from math import inf
 
 import numpy as np
 
-from robot.workspace import CAPPED, CUT, ERRORS, OVER, TALLY, WRONG
+from robot.implicit_step import STUCK
+from robot.workspace import CAPPED, CUT, ERRORS, OVER, RESIGNED, TALLY, WRONG
 
 Array = np.ndarray
 Settle = Callable[[float, float], None]
@@ -25,6 +26,10 @@ LIVE_PARTS = 3.0
 """Parts that the rows of a live session may have on average (*ours*): it has to keep its pace."""
 LIVE_BURST = 600.0
 """Parts that a live session may spend at once (*ours*): some 3 ms."""
+RUN_STUCK = 0.5
+"""Attempts a row, on average, whose equation may not be solved (*ours*): each takes about 1 ms."""
+LIVE_STUCK = 0.02
+"""The same of a live session (*ours*)."""
 
 
 class Cutting:
@@ -35,6 +40,8 @@ class Cutting:
         left: how many parts the rows may still have together, beyond one each.
         refill: by how many parts that grows with every row, up to ``LIVE_BURST``.
         tolerance: how many times its tolerance the error of a step may be.
+        stuck: how many attempts may still fail to be solved; it grows with every row of a live
+            session as well. Then a step that isn't solved is not cut any more, and counted.
     """
 
     def __init__(
@@ -43,22 +50,25 @@ class Cutting:
         left: float = LIVE_BURST,
         refill: float = LIVE_PARTS,
         tolerance: float = 1.0,
+        stuck: float = LIVE_STUCK * LIVE_BURST,
     ) -> None:
-        """Set all four; by default as a live session has them."""
+        """Set all five; by default as a live session has them."""
         self.halvings, self.left, self.refill = halvings, left, refill
-        self.tolerance = tolerance
+        self.tolerance, self.stuck = tolerance, stuck
         self._filled = 0.0
 
     @classmethod
     def of_whole_run(cls, rows: int, tolerance: float = 1.0) -> Cutting:
         """Return what a run of so many rows may take (*ours*)."""
-        return cls(left=RUN_PARTS * rows, refill=0.0, tolerance=tolerance)
+        parts, stuck = RUN_PARTS * rows, RUN_STUCK * rows
+        return cls(left=parts, refill=0.0, tolerance=tolerance, stuck=stuck)
 
     def fill(self, t: float, h: float) -> None:
         """Add what the rows of length ``h`` until ``t`` are worth."""
         if self.refill > 0.0:
             rows = max(0.0, (t - self._filled) / h)
             self.left = min(LIVE_BURST, self.left + self.refill * rows)
+            self.stuck = min(LIVE_STUCK * LIVE_BURST, self.stuck + LIVE_STUCK * rows)
         self._filled = t
 
 
@@ -70,8 +80,8 @@ class Parts:
 
         Args:
             settle: sets length and tolerance of what follows: ``(h, tolerance)``.
-            attempt: makes a step from the current state: ``(t, number, row) -> 0, joint or
-                REFUSED``.
+            attempt: makes a step from the current state: ``(t, number, row) -> 0, joint,
+                REFUSED or STUCK``.
             h: length of a whole step in [s].
             cutting: how far it may go.
             work: the lane's workspace, whose TALLY counts.
@@ -93,6 +103,7 @@ class Parts:
         if self._errors[OVER] > 1.0:
             self._tally[CAPPED] += 1.0
         self._settle(h, cutting.tolerance)
+        self._errors[RESIGNED] = 0.0
         return bad
 
     def _halves(self, t: float, row: int, h: float, halvings: int) -> int:
@@ -105,7 +116,10 @@ class Parts:
         self._cutting.left -= 1.0
         last = halvings <= 0 or self._cutting.left < 0.0
         self._settle(h, inf if last else self._cutting.tolerance)
+        self._errors[RESIGNED] = 1.0 if self._cutting.stuck <= 0.0 else 0.0
         bad = self._attempt(t, 0, row)
+        if bad == STUCK:
+            self._cutting.stuck -= 1.0
         if last:
             self._errors[OVER] = max(self._errors[OVER], self._errors[WRONG])
             return bad

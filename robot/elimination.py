@@ -1,6 +1,7 @@
-"""Elimination of a system of six, in place in the workspace; no pivoting.
+"""Elimination of a system of six, in place in the workspace.
 
-Its matrix is an inertia plus a positive diagonal, or an inertia times one.
+A symmetric matrix is an inertia plus a positive diagonal and needs no pivots. Others may have a
+zero on their diagonal: a joint at its torque limit that is held on its surface.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from robot.workspace import MATRIX, RIGHT
 
 @kernel
 def solve(work):  # type: ignore[no-untyped-def]
-    """Solve MATRIX x = RIGHT, in place; the answer stands in RIGHT."""
+    """Solve MATRIX x = RIGHT, in place; the answer stands in RIGHT, NaN if there is none."""
     for k in range(JOINTS - 1):
+        _pivot(k, work)
         inverse = 1.0 / work[MATRIX + k, k]
         for i in range(k + 1, JOINTS):
             factor = work[MATRIX + i, k] * inverse
@@ -21,6 +23,21 @@ def solve(work):  # type: ignore[no-untyped-def]
                 work[MATRIX + i, j] -= factor * work[MATRIX + k, j]
             work[RIGHT, i] -= factor * work[RIGHT, k]
     _substitute(work)
+
+
+@kernel
+def _pivot(k, work):  # type: ignore[no-untyped-def]
+    """Bring the row with the greatest number in column ``k`` to row ``k``."""
+    best = k
+    for i in range(k + 1, JOINTS):
+        if abs(work[MATRIX + i, k]) > abs(work[MATRIX + best, k]):
+            best = i
+    if best != k:
+        for j in range(k, JOINTS):
+            swap = work[MATRIX + k, j]
+            work[MATRIX + k, j], work[MATRIX + best, j] = work[MATRIX + best, j], swap
+        swap = work[RIGHT, k]
+        work[RIGHT, k], work[RIGHT, best] = work[RIGHT, best], swap
 
 
 @kernel

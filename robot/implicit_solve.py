@@ -62,6 +62,10 @@ _AIM = 1e-12
 """What its iterations go on for, as long as they are worth it, in [rad/s] (*ours*)."""
 _ITERATIONS = 60
 _HALVINGS = 6
+_LOOSE = 0.1
+"""Share by which a torque follows past its limit where nothing else would (*ours*)."""
+_PATIENCE = 8
+"""Iterations in which what is left has to halve where the equation isn't convex (*ours*)."""
 
 
 @kernel
@@ -113,14 +117,19 @@ def _balance_all(h, base, inertia, bias, world, work):  # type: ignore[no-untype
 
 
 @kernel
-def _newton_direction(h, base, inertia, world, work):  # type: ignore[no-untyped-def]
-    """Solve for the change of all loads; the answer stands in RIGHT."""
+def _newton_direction(loose, h, base, inertia, world, work):  # type: ignore[no-untyped-def]
+    """Solve for the change of all loads; the answer stands in RIGHT.
+
+    A joint that is held has only its torque to give: where limits leave fewer torques than joints
+    are held, the matrix is singular. Then torques follow past their limits by the share ``loose``.
+    """
     shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
     for i in range(JOINTS):
         work[RIGHT, i] = -work[RESIDUAL, i]
         free, slope = 0.0, 0.0
         if shaped:
             _, free = _shaped_torque(i, h, world, inertia, work)
+            free = max(free, loose)
             _, slope = lost_torque(work[ACCELERATION, i], i, h, base, world, work)
         for k in range(JOINTS):
             yielding = work[YIELD, k]
@@ -244,11 +253,16 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
             work[LOAD, j] = _weight(j, inertia, work) * a + value
     else:
         _sweep(h, base, inertia, bias, world, work)
-    left = _balance_all(h, base, inertia, bias, world, work)
-    for _ in range(_ITERATIONS):
+    left, loose = _balance_all(h, base, inertia, bias, world, work), 0.0
+    wanted = 0.5 * left
+    for iteration in range(_ITERATIONS):
         if left <= _AIM * _AIM or not isfinite(left):
             break
-        _newton_direction(h, base, inertia, world, work)
+        if shaped and iteration % _PATIENCE == _PATIENCE - 1:
+            if left > wanted:
+                break
+            wanted = 0.5 * left
+        _newton_direction(loose, h, base, inertia, world, work)
         for j in range(JOINTS):
             work[TRIAL, j] = work[LOAD, j]
         share, tried = 1.0, inf
@@ -259,12 +273,18 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
             if tried <= (1.0 - 0.5 * share) * left:
                 break
             share *= 0.5
-        if not tried < left and not shaped:
+        if not tried < left:
             for j in range(JOINTS):
                 work[LOAD, j] = work[TRIAL, j]
-            _balance_all(h, base, inertia, bias, world, work)
-            _sweep(h, base, inertia, bias, world, work)
             tried = _balance_all(h, base, inertia, bias, world, work)
+            if not shaped:
+                _sweep(h, base, inertia, bias, world, work)
+                tried = _balance_all(h, base, inertia, bias, world, work)
+            elif loose != 0.0:
+                break
+            loose = _LOOSE
+        else:
+            loose = 0.0
         if tried > 0.25 * left and min(tried, left) <= SOLVED * SOLVED:
             # As good as rounding lets it become.
             left = tried

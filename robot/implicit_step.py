@@ -39,6 +39,7 @@ from robot.workspace import (
     MATRIX,
     NODES,
     PASSED,
+    RESIGNED,
     RIGHT,
     S_FALL,
     S_FREE,
@@ -58,6 +59,8 @@ MAX_VELOCITY = 200.0
 """Velocity [rad/s] past which a lane counts as diverged (*ours*: 64 times the arm's limit)."""
 REFUSED = -1
 """What a stage returns when its step has to be cut."""
+STUCK = -2
+"""What it returns when that is because its equation was not solved."""
 TOLERANCE_Q = 5e-7
 """Error of one step in an angle from which on it is cut in [rad] (*ours*)."""
 TOLERANCE_V = 5e-5
@@ -163,11 +166,11 @@ def unsolved(left, tolerance, work):  # type: ignore[no-untyped-def]
     Args:
         left: what the equation left of the velocity in [rad/s].
         tolerance: ``inf`` where the step can't be cut any further: then it is counted.
-        work: workspace; writes TALLY.
+        work: workspace; reads RESIGNED, writes TALLY.
     """
     if left <= SOLVED:
         return False
-    if tolerance != inf:
+    if tolerance != inf and work[ERRORS, RESIGNED] == 0.0:
         return True
     work[TALLY, UNSOLVED] += 1.0
     # What has no end freezes the lane, and is told there.

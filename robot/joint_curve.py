@@ -207,6 +207,8 @@ def balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
     for _ in range(_ITERATIONS):
         value, steepness = joint_curve(a, j, h, base, bias, world, work)
         wrong, slope = m * a + value - load, max(m + steepness, _FLATTEST * m)
+        if abs(wrong) <= _EXACT * (abs(load) + m * abs(a)):
+            break
         if wrong > 0.0:
             high = a
         else:

@@ -168,7 +168,8 @@ def _accuracy(
         if (lane.freeze is None) != (second.freeze is None):
             # One left its bounds and the other did not: by then neither is to be trusted.
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
-        error = float(error + left * packed.experiment.simulation.row_period)
+        # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
+        error = float(error + left * packed.experiment.simulation.horizon)
     return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
 
 

@@ -18,6 +18,7 @@ from robot.disturbance import (
 )
 from robot.implicit_step import (
     REFUSED,
+    STUCK,
     TOLERANCE_V,
     accept,
     arm_step,
@@ -109,14 +110,14 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
             the whole step for every stage.
 
     Returns:
-        0, 1 + the joint that left its bounds, or REFUSED where the step has to be cut.
+        0, 1 + the joint that left its bounds, or REFUSED or STUCK where the step has to be cut.
     """
     stage, h, tolerance = settings(wiring)
     inertia, bias, world, _, work, record = loop_arrays(wiring)
     if stage == SECOND:
         left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, world, work)
         if unsolved(left, tolerance, work):
-            return REFUSED
+            return STUCK
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
@@ -130,7 +131,7 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
     if row >= 0 and work[FLAGS, HELD] != 0.0:
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
-        return REFUSED
+        return STUCK
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
@@ -140,7 +141,7 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
             work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]
     left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, world, work)
     if unsolved(left, tolerance, work):
-        return REFUSED
+        return STUCK
     return within_bounds(HALF, work)
 
 

@@ -89,6 +89,7 @@ CUT = 4  # column of TALLY: rows in which the step was cut
 WRONG = 0  # column of ERRORS: error of the last step as a multiple of what it may be
 PASSED = 2  # column of ERRORS: velocity that a passage through a thin layer leaves open [rad/s]
 EDGE = 3  # column of ERRORS: whether a pulse begins or ends within the step
+RESIGNED = 4  # column of ERRORS: whether a step that isn't solved may not be cut any more
 OVER = 1  # column of ERRORS: the same of the parts of a row that could not be cut further
 
 # --- one recorded row of a lane: groups of six columns -----------------------------------------

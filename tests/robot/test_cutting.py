@@ -12,12 +12,12 @@ import pytest
 
 from robot.cutting import HALVINGS, LIVE_BURST, LIVE_PARTS, NO_ROW, Cutting, Parts
 from robot.experiment import Experiment
-from robot.implicit_step import REFUSED
+from robot.implicit_step import REFUSED, STUCK
 from robot.lane import Lane
 from robot.laws import LAWS
 from robot.packed import pack
 from robot.quantity import JOINTS
-from robot.workspace import CAPPED, CUT, ERRORS, RECORD_COLUMNS, TALLY, WORK_ROWS, WRONG
+from robot.workspace import CAPPED, CUT, ERRORS, RECORD_COLUMNS, RESIGNED, TALLY, WORK_ROWS, WRONG
 
 Array = np.ndarray
 H = 0.001
@@ -104,6 +104,25 @@ def test_a_joint_that_leaves_its_bounds_ends_the_row() -> None:
     parts = Parts(lambda h, tolerance: None, attempt, H, Cutting(), work)
     assert parts.make(0.0, 0) == 4
     assert asked == [0.0] * HALVINGS
+
+
+def test_what_cannot_be_solved_is_cut_until_its_attempts_are_spent() -> None:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    resigned: list[bool] = []
+
+    def attempt(t: float, number: int, row: int) -> int:
+        resigned.append(bool(work[ERRORS, RESIGNED]))
+        return 0 if resigned[-1] else STUCK
+
+    cutting = Cutting(halvings=20, left=np.inf, refill=0.0, stuck=7.0)
+    parts = Parts(lambda h, tolerance: None, attempt, H, cutting, work)
+    assert parts.make(0.0, 0) == 0
+    assert resigned.count(False) == 7
+    # The next row has another try, if there is something left for it.
+    cutting.stuck = 1.0
+    assert parts.make(H, 1) == 0
+    assert resigned.count(False) == 8
+    assert work[ERRORS, RESIGNED] == 0.0
 
 
 def test_a_live_session_spends_what_it_has_and_says_so() -> None:
