@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request, Response
@@ -63,7 +64,7 @@ def experiment_router(studio: Studio) -> APIRouter:
         return {**Experiment.model_json_schema(), "x-laws": law_infos()}
 
     @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
-    async def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:
+    def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:
         """The live document, as JSON or as a YAML download."""
         if format == "yaml":
             return yaml_response(document.experiment, document.preset or "experiment")
@@ -92,8 +93,12 @@ def experiment_router(studio: Studio) -> APIRouter:
     async def replace(request: Request) -> dict[str, Any]:
         """Replace the live document by JSON or YAML; time begins at 0."""
         body = await request.body()
-        experiment = parse_experiment(body, request.headers.get("content-type", ""))
-        document.replace(experiment, author="http")
+        content_type = request.headers.get("content-type", "")
+
+        def begin() -> None:
+            document.replace(parse_experiment(body, content_type), author="http")
+
+        await asyncio.to_thread(begin)
         return answer()
 
     return router

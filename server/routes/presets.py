@@ -67,7 +67,9 @@ def presets_router(studio: Studio) -> APIRouter:
         body = await request.body()
         content_type = request.headers.get("content-type", "")
         store = preset_store()
-        experiment = parse_experiment(body, content_type) if body.strip() else None
+        experiment = None
+        if body.strip():
+            experiment = await run_in_threadpool(parse_experiment, body, content_type)
         saved = experiment or studio.document.experiment
         await run_in_threadpool(refuse_if_full, store, name)
         await run_in_threadpool(store.save, name, saved, overwrite)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import time
 from typing import Any
 
 import pytest
+import ruamel.yaml
 
 from robot.experiment import Experiment
 from robot.preset_yaml import experiment_from_yaml, experiment_to_yaml
@@ -93,6 +95,24 @@ def test_bad_yaml_names_line_and_field(served: Served) -> None:
     text = "slidetune: 1\nlanes:\n  A:\n    law: nftsm\n    nu: -3\n"
     error = refusal(served.http.put("/api/experiment", content=text.encode(), headers=YAML), 422)
     assert (error["fields"][0]["path"], error["fields"][0]["line"]) == ("lanes.A.nu", 5)
+
+
+def test_yaml_is_parsed_beside_the_event_loop(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parse, loops = ruamel.yaml.YAML.parse, []
+
+    def watched(self: ruamel.yaml.YAML, stream: Any) -> Any:
+        loops.append(asyncio._get_running_loop())
+        return parse(self, stream)
+
+    monkeypatch.setattr(ruamel.yaml.YAML, "parse", watched)
+    text = b"title: parsed\n"
+    for path in ("/api/experiment", "/api/presets/parsed"):
+        assert served.http.put(path, content=text, headers=YAML).status_code == 200
+    assert served.http.delete("/api/presets/parsed").status_code == 204
+    assert len(loops) >= 2
+    assert set(loops) == {None}
 
 
 def test_an_oversized_body_is_refused(served: Served) -> None:
