@@ -68,8 +68,10 @@ class Document:
 
         Raises:
             InvalidExperimentError: naming every refused field; nothing is changed.
+            SessionBusyError: if as many commands wait for the session as may.
         """
         with self._lock:
+            self._session.refuse_if_busy()
             packed = pack(self.experiment.patched(patch))
             self._colors.assign(list(packed.gains))
             self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)

@@ -49,6 +49,10 @@ class MessageTooLargeError(SlidetuneError, ValueError):
     """More in one message than any needs."""
 
 
+class SessionBusyError(LimitError):
+    """As many commands wait for the live session as may."""
+
+
 class TooManyStudiesError(LimitError):
     """As many studies as may be are under way."""
 

@@ -22,6 +22,7 @@ from robot.errors import (
 from server.errors import error_body
 from server.limits import (
     MessageTooLargeError,
+    SessionBusyError,
     TooManyPatchesError,
     TooManyPresetsError,
     TooManyStudiesError,
@@ -49,6 +50,7 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (PresetStorageError, 507, "storage"),
     (WorkerLostError, 503, "worker_lost"),
     (BusyError, 503, "busy"),
+    (SessionBusyError, 503, "busy"),
     (MessageTooLargeError, 413, "too_large"),
     (TooManyPatchesError, 429, "too_many_patches"),
     (TooManyStudiesError, 429, "too_many_studies"),

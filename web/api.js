@@ -34,7 +34,7 @@ export {ApiError};
  */
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
- *   capped: boolean, revision: number, epoch: number, horizon: number,
+ *   capped: boolean, revision: number, epoch: number, waiting_steps: number, horizon: number,
  *   lanes: {[name: string]: LaneState}}} State
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */

@@ -51,11 +51,12 @@ def experiment_router(studio: Studio) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["experiment"])
     document = studio.document
 
-    def answer() -> dict[str, Any]:
+    def answer(waiting_steps: int = 0) -> dict[str, Any]:
         return {
             "revision": document.revision,
             "preset": document.preset,
             "experiment": document.experiment.document(),
+            "waiting_steps": waiting_steps,
         }
 
     @router.get("/schema")
@@ -74,7 +75,7 @@ def experiment_router(studio: Studio) -> APIRouter:
     def patch(patch: Annotated[dict[str, Any], Body(examples=[_PATCH])]) -> dict[str, Any]:
         """Change the live document by a JSON Merge Patch (RFC 7396)."""
         document.patch(patch, author="http")
-        return answer()
+        return answer(studio.session.waiting_steps)
 
     @router.put(
         "/experiment",

@@ -113,6 +113,8 @@ class Conversation:
 
     async def _act(self, message: Any) -> None:
         session = self._studio.session
+        if not isinstance(message, PlainCommand):
+            session.refuse_if_busy()
         match message:
             case PatchMessage():
                 await self._patch(message)

@@ -152,7 +152,9 @@ def test_shipped_presets_are_read_only(served: Served) -> None:
 def test_commands_over_http_act(served: Served) -> None:
     http = served.http
     for command in ("pause", "reset", "step", "kick", "play"):
-        assert http.post(f"/api/session/{command}").status_code == 202
+        answer = http.post(f"/api/session/{command}")
+        assert answer.status_code == 202
+        assert set(answer.json()) == {"accepted", "waiting_steps"}
     assert http.patch("/api/session", json={"speed": 2.0}).json()["speed"] == 2.0
     refusal(http.patch("/api/session", json={"speed": 0}), 422)
     refusal(http.post("/api/session/kick", json={"torque": [1, 2, 3]}), 422)
