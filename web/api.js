@@ -203,7 +203,7 @@ export class Api extends EventTarget {
   async savePreset(name, {overwrite = false} = {}) {
     await this.settled();
     const saved = await request('PUT', `${presetAddress(name)}?overwrite=${overwrite}`);
-    Object.assign(this, {preset: name, baseline: this.experiment});
+    Object.assign(this, {preset: name, baseline: saved.experiment});
     this.#emit('saved', name);
     return saved;
   }
