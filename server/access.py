@@ -68,8 +68,7 @@ class Access:
         app: ASGIApp = self._app
         if scope["type"] == "websocket":
             if refusal is not None:
-                secured = with_security_headers(connection, send)
-                await secured({"type": "websocket.close", "code": 1008, "reason": refusal.code})
+                await send({"type": "websocket.close", "code": 1008, "reason": refusal.code})
                 return
         elif refusal is not None:
             app = refused(connection, refusal)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import logging
+from typing import Any
 
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
+from uvicorn.protocols.websockets.auto import AutoWebSocketsProtocol
 
 from server.errors import error_body
 from server.security_headers import RAW_HEADERS
@@ -31,6 +33,22 @@ class RawHttp(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
         ]
         self.transport.write("\r\n".join([*lines, "", ""]).encode() + body)
         self.transport.close()
+
+
+class RawWebSocket(AutoWebSocketsProtocol):  # type: ignore[misc, valid-type]
+    """Uvicorn's protocol, but a WebSocket that isn't opened is refused with the headers of all."""
+
+    def handle_connect(self, event: Any) -> None:
+        """Answer a request to open a WebSocket."""
+        reject = self.conn.reject
+
+        def rejected(*args: Any) -> Any:
+            response = reject(*args)
+            response.headers.update(RAW_HEADERS)
+            return response
+
+        self.conn.reject = rejected
+        super().handle_connect(event)
 
 
 def _is_news(record: logging.LogRecord) -> bool:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import Message, Send
-
-from server.errors import error_body
 
 PAGE_POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
@@ -38,8 +35,7 @@ _NAME_AND_PORT = re.compile(r"[A-Za-z0-9._-]+(:[0-9]{1,5})?")
 def with_security_headers(connection: HTTPConnection, send: Send) -> Send:
     """Return `send` with the security headers added to the start of every HTTP response.
 
-    A WebSocket that is refused before it opened is answered by such a response too. A header that
-    the application has set itself stays as it is.
+    A header that the application has set itself stays as it is.
 
     Args:
         connection: the request that is answered; its path and Host decide the policy.
@@ -52,15 +48,7 @@ def with_security_headers(connection: HTTPConnection, send: Send) -> Send:
         "x-content-type-options": "nosniff",
     }
 
-    accepted = False
-
     async def send_secured(message: Message) -> None:
-        nonlocal accepted
-        accepted = accepted or message["type"] == "websocket.accept"
-        if message["type"] == "websocket.close" and not accepted and _can_answer(connection):
-            for part in _refusal(message.get("reason") or "refused"):
-                await send(part)
-            return
         if message["type"] == "http.response.start":
             headers = MutableHeaders(raw=list(message.get("headers", ())))
             for name, value in security.items():
@@ -69,22 +57,6 @@ def with_security_headers(connection: HTTPConnection, send: Send) -> Send:
         await send(message)
 
     return send_secured
-
-
-def _can_answer(connection: HTTPConnection) -> bool:
-    return "websocket.http.response" in connection.scope.get("extensions", {})
-
-
-def _refusal(code: str) -> tuple[Message, Message]:
-    """Return the answer to a WebSocket that doesn't open: 403, in the one shape of errors."""
-    body = json.dumps(error_body(code, "This WebSocket is refused.")).encode()
-    headers = {**RAW_HEADERS, "content-type": "application/json", "cache-control": "no-store"}
-    start = {
-        "type": "websocket.http.response.start",
-        "status": 403,
-        "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
-    }
-    return start, {"type": "websocket.http.response.body", "body": body}
 
 
 def _content_policy(connection: HTTPConnection) -> str:

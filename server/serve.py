@@ -14,7 +14,7 @@ from server.allocator import map_large_blocks_apart
 from server.app import create_app
 from server.limits import MAX_MESSAGE
 from server.open_browser import open_browser, private_way
-from server.raw_http import RawHttp, leave_foreign_text_out_of_the_log
+from server.raw_http import RawHttp, RawWebSocket, leave_foreign_text_out_of_the_log
 from server.studio import Studio
 
 PORTS = 20
@@ -109,6 +109,7 @@ def serve(
         config = uvicorn.Config(
             app,
             http=RawHttp,
+            ws=RawWebSocket,
             log_level="warning",
             ws_max_size=MAX_MESSAGE,
             ws_per_message_deflate=False,
