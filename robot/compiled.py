@@ -6,11 +6,14 @@ folder of the cache carries a digest of all kernels: an edited one is never run 
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -22,6 +25,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 KEPT = 6
 """Versions whose compiled kernels are kept, about 3 MB each (*ours*)."""
+_HANDED_ON = "SLIDETUNE_KERNELS"
+"""Environment variable by which a process tells those that it starts of its temporary folder."""
 _CONSTANTS = ("quantity.py", "workspace.py", "compiled.py")
 """Files without kernels whose numbers are compiled into them."""
 
@@ -51,9 +56,40 @@ def _folder() -> Path:
         cache.mkdir(parents=True, exist_ok=True)
         _forget_old(cache)
     except OSError:  # a read-only home: compile into a folder that lives until the next restart
-        cache = Path(tempfile.gettempdir()) / f"slidetune-{os.getuid()}" / name
-        cache.mkdir(parents=True, exist_ok=True)
+        cache = _temporary() / name
+        cache.mkdir(exist_ok=True)
     return cache
+
+
+def _temporary() -> Path:
+    """Return a temporary folder of this user's alone: numba runs what it finds there.
+
+    Where somebody else made the one of the usual name first, it is a new one, which this process
+    and those that it starts use.
+    """
+    usual = Path(tempfile.gettempdir()) / f"slidetune-{os.getuid()}"
+    with suppress(OSError):
+        usual.mkdir(mode=0o700)
+    for folder in (usual, Path(os.environ.get(_HANDED_ON) or usual)):
+        if _is_private(folder):
+            return folder
+    made = tempfile.mkdtemp(prefix="slidetune-")
+    os.environ[_HANDED_ON] = made
+    atexit.register(shutil.rmtree, made, ignore_errors=True)
+    return Path(made)
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether a folder is this user's, and no link, and closed to everybody else."""
+    try:
+        about = folder.lstat()
+    except OSError:
+        return False
+    return (
+        stat.S_ISDIR(about.st_mode)
+        and about.st_uid == os.getuid()
+        and not stat.S_IMODE(about.st_mode) & 0o077
+    )
 
 
 CACHE = _folder()

@@ -12,6 +12,11 @@ DEEPEST = 12
 """Most levels of mappings and lists in each other (*ours*); a preset has four."""
 LONGEST_KEY = 120
 """Most characters of a key (*ours*); the longest that means something has 40."""
+MOST_KEYS = 1000
+"""Most keys of a document (*ours*); six lanes have fewer than 300 together."""
+MOST_VALUES = 5000
+"""Most values of a document, or pieces of a text (*ours*): a quarter of a second
+of the YAML parser's time; six lanes with a value per joint throughout take fewer than 2000."""
 
 _LONGEST_BITS = 1024
 _Place = tuple[Any, str] | None
@@ -34,6 +39,24 @@ class PlainMapping(dict[str, Any]):
     """A mapping that ``plain_values`` returned: nobody need look at it again."""
 
 
+def excess(document: Any) -> str:
+    """Return what a document has too many of, or an empty text; it is counted no further."""
+    keys, values, waiting = 0, 0, [document]
+    while waiting and keys <= MOST_KEYS and values <= MOST_VALUES:
+        value = waiting.pop()
+        values += 1
+        if isinstance(value, Mapping):
+            keys += len(value)
+            waiting.extend(value.values())
+        elif isinstance(value, list | tuple):
+            waiting.extend(value)
+    if keys > MOST_KEYS:
+        return f"holds more than {MOST_KEYS} keys: no experiment needs them"
+    if values > MOST_VALUES:
+        return f"holds more than {MOST_VALUES} values: no experiment needs them"
+    return ""
+
+
 def plain_values(document: Any) -> Any:
     """Return a document with every whole number that no float holds as infinity.
 
@@ -44,9 +67,11 @@ def plain_values(document: Any) -> Any:
         document: mappings, lists and plain values in each other.
 
     Raises:
-        UnfitError: for values nested too deep, and for keys that are too long or hold halves of
-            characters.
+        UnfitError: for too many values, for values nested too deep, and for keys that are too
+            long or hold halves of characters.
     """
+    if too_many := excess(document):
+        raise UnfitError(None, too_many)
     return _plain(document, None, 0)
 
 

@@ -30,7 +30,7 @@ from ruamel.yaml.reader import ReaderError
 
 from robot.errors import FieldError, PresetSyntaxError
 from robot.field_path import field_path, path_parts
-from robot.plain_values import DEEPEST, LONGEST_KEY
+from robot.plain_values import DEEPEST, LONGEST_KEY, MOST_VALUES
 
 LARGEST_TEXT = 64 * 1024
 """Most bytes of a text (*ours*); the largest shipped preset has 10 KiB."""
@@ -85,7 +85,7 @@ def read_plain_yaml(text: str | bytes) -> PlainDocument:
     """
     content = _decoded(text)
     try:
-        return _Builder(YAML(typ="safe", pure=True).parse(content)).document()
+        return _Builder(_bounded(YAML(typ="safe", pure=True).parse(content))).document()
     except PresetSyntaxError:
         raise
     # Built-in errors too: the parser lets a few of them out on damaged text.
@@ -103,6 +103,15 @@ def is_plain_text(text: str) -> bool:
 
 def _refused(message: str, line: int | None, path: str = "") -> PresetSyntaxError:
     return PresetSyntaxError([FieldError(path, message, line=line)])
+
+
+def _bounded(events: Iterator[Any]) -> Iterator[Any]:
+    """Pass the parser's events on, as long as there aren't too many; it scans no further then."""
+    for count, event in enumerate(events):
+        if count >= MOST_VALUES:
+            text = f"holds more than {MOST_VALUES} keys, values and lists: no experiment needs them"
+            raise _refused(text, event.start_mark.line + 1)
+        yield event
 
 
 def _decoded(text: str | bytes) -> str:

@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
@@ -14,7 +15,13 @@ from pathlib import Path
 
 import platformdirs
 
-from robot.errors import PresetConflictError, PresetStorageError, SlidetuneError, UnknownPresetError
+from robot.errors import (
+    InvalidExperimentError,
+    PresetConflictError,
+    PresetStorageError,
+    SlidetuneError,
+    UnknownPresetError,
+)
 from robot.experiment import Experiment
 from robot.plain_yaml import LARGEST_TEXT
 from robot.preset_name import LONGEST_NAME, is_preset_name, name_rule, refused_name
@@ -25,6 +32,8 @@ USER_FOLDER_VARIABLE = "SLIDETUNE_PRESETS"
 """Environment variable that names another folder for the user's presets."""
 SHIPPED_FOLDER = Path(__file__).resolve().parent.parent / "presets"
 """Beside this package, in a checkout and in an installed wheel alike."""
+KEPT = 512
+"""Presets that are kept as they were read (*ours*), about 30 kB each: more than one list shows."""
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
@@ -48,9 +57,17 @@ class PresetInfo:
     problem: str = ""
 
 
-@lru_cache(maxsize=64)
-def _parsed(content: bytes, origin: str) -> Experiment:
-    return experiment_from_yaml(content, origin)
+@lru_cache(maxsize=KEPT)
+def _parsed(content: bytes, origin: str) -> Experiment | InvalidExperimentError:
+    try:
+        return experiment_from_yaml(content, origin)
+    except InvalidExperimentError as error:
+        return error  # kept as well: a list shows why each broken file can't be loaded
+
+
+def info_of(name: str, experiment: Experiment, shipped: bool) -> PresetInfo:
+    """Return what a list shows of a preset that can be loaded."""
+    return PresetInfo(name, experiment.title or name, experiment.description, shipped)
 
 
 def read_preset(path: Path) -> Experiment:
@@ -68,7 +85,10 @@ def read_preset(path: Path) -> Experiment:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UnknownPresetError(f"can't read preset file {str(path)[:200]!r}: {reason}") from error
-    return _parsed(content, path.name)
+    parsed = _parsed(content, path.name)
+    if isinstance(parsed, InvalidExperimentError):
+        raise copy(parsed)  # a fresh one: every raise adds to its traceback
+    return parsed
 
 
 @dataclass(frozen=True)
@@ -185,8 +205,7 @@ class PresetStore:
             except SlidetuneError as error:
                 problem = str(error)
             else:
-                title = experiment.title or name
-                return PresetInfo(name, title, experiment.description, shipped)
+                return info_of(name, experiment, shipped)
         return PresetInfo(name, name, "", shipped, problem)
 
 

@@ -23,12 +23,12 @@ class Allowance:
         self._left = self._burst
         self._seen = clock()
 
-    def take(self) -> bool:
-        """Take one if there is one, and say whether there was."""
+    def take(self, count: float = 1.0) -> bool:
+        """Take ``count`` if there are as many, and say whether there were."""
         self._refill()
-        if self._left < 1.0:
+        if self._left < count:
             return False
-        self._left -= 1.0
+        self._left -= count
         return True
 
     def wait(self) -> float:

@@ -101,10 +101,24 @@ class SessionState(BaseModel):
     capped: bool = Field(description="Whether the machine is too slow for the speed.")
     revision: int
     epoch: int = Field(description="Counts resets and loaded experiments.")
+    waiting_steps: int = Field(
+        description="Steps that were asked for and will be made before what is asked for now; "
+        "play, pause, reset and another experiment drop them."
+    )
     horizon: float
     selected: str
     view: dict[str, Any]
     lanes: dict[str, LaneStatus]
+
+
+_WAITING = "Steps that the live session makes before this takes force; 0: with the next step."
+
+
+class Accepted(BaseModel):
+    """A command that the live session carries out."""
+
+    accepted: Literal[True] = True
+    waiting_steps: int = Field(description=_WAITING)
 
 
 class ExperimentAnswer(BaseModel):
@@ -113,6 +127,7 @@ class ExperimentAnswer(BaseModel):
     revision: int
     preset: str
     experiment: dict[str, Any]
+    waiting_steps: int = Field(0, description=_WAITING)
 
 
 class PresetSummary(BaseModel):

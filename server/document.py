@@ -56,6 +56,7 @@ class Document:
         self._session = session
         self._colors = colors
         self._lock = Lock()
+        self._beginning = 1
 
     def patch(
         self,
@@ -68,8 +69,10 @@ class Document:
 
         Raises:
             InvalidExperimentError: naming every refused field; nothing is changed.
+            SessionBusyError: if as many commands wait for the session as may.
         """
         with self._lock:
+            self._session.refuse_if_busy()
             packed = pack(self.experiment.patched(patch))
             self._colors.assign(list(packed.gains))
             self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
@@ -89,6 +92,7 @@ class Document:
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, None, author, None)
             self.baseline, self.preset = experiment, preset
+            self._beginning += 1
             self._session.load(packed, change.revision)
             self._tell(change)
             return change
@@ -137,10 +141,23 @@ class Document:
         patch = self._variant(origin, name, {})
         return self.patch(patch, author, request, {name: origin})
 
-    def saved_as(self, preset: str) -> None:
-        """Take the experiment in force as the baseline: it was saved under this name."""
+    def present(self) -> tuple[int, Experiment]:
+        """Return which loaded document this is, counted up, and the experiment in force."""
         with self._lock:
-            self.baseline, self.preset = self.experiment, preset
+            return self._beginning, self.experiment
+
+    def saved_as(self, preset: str, saved: Experiment, beginning: int) -> None:
+        """Take what was saved under a name as the baseline, unless another was loaded meanwhile.
+
+        Args:
+            preset: the name.
+            saved: what ``present`` returned before.
+            beginning: likewise.
+        """
+        with self._lock:
+            if beginning == self._beginning:
+                # A lane may have got another name while the file was written.
+                self.baseline, self.preset = _renamed(saved, saved, self.experiment), preset
 
     def _accept(
         self, packed: Packed, patch: Mapping[str, Any] | None, author: str, request: Any

@@ -7,11 +7,15 @@ defence against a person who holds the owner's token and means harm.
 from __future__ import annotations
 
 from robot.errors import SlidetuneError
+from robot.plain_values import MOST_KEYS
 
 MAX_CLIENTS = 128
 """Most clients of the live WebSocket at once, and most of the 3D scene's (*ours*)."""
 MAX_MESSAGE = 256 * 1024
 """Largest WebSocket message that a client may send in bytes (*ours*)."""
+MAX_LIVE_MESSAGE = 64 * 1024
+"""Most characters of a message to the live session (*ours*): a patch of everything that there is
+takes 20 kB. A longer one is refused in words."""
 MAX_BODY = 256 * 1024
 """Largest body of an HTTP request in bytes, on every route (*ours*)."""
 CLIENT_RATE = 240.0
@@ -41,6 +45,14 @@ class TooManyPatchesError(LimitError):
     """Messages come faster than they may."""
 
 
+class MessageTooLargeError(SlidetuneError, ValueError):
+    """More in one message than any needs."""
+
+
+class SessionBusyError(LimitError):
+    """As many commands wait for the live session as may."""
+
+
 class TooManyStudiesError(LimitError):
     """As many studies as may be are under way."""
 
@@ -54,6 +66,8 @@ def limits_document() -> dict[str, int]:
     return {
         "clients": MAX_CLIENTS,
         "message_bytes": MAX_MESSAGE,
+        "live_message_characters": MAX_LIVE_MESSAGE,
+        "message_keys": MOST_KEYS,
         "body_bytes": MAX_BODY,
         "client_messages_a_second": int(CLIENT_RATE),
         "client_messages_at_once": CLIENT_BURST,

@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from robot.errors import SlidetuneError
@@ -26,9 +27,9 @@ def check_outputs(*names: str) -> None:
             go to the same place.
     """
     given = [name for name in names if name]
-    for name in given:
+    for number, name in enumerate(given):
         path = Path(name)
-        if given.count(name) > 1:
+        if any(_same_place(name, other) for other in given[:number]):
             place = "standard output" if name == STANDARD else name
             raise OutputError(f"two results can't both go to {place}: name two files")
         if name == STANDARD:
@@ -39,6 +40,17 @@ def check_outputs(*names: str) -> None:
             raise OutputError(f"can't write {name}: there is no folder {path.parent}")
 
 
+def _same_place(name: str, other: str) -> bool:
+    """Whether two names, such as ``r`` and ``./r``, are one file's or would be."""
+    if STANDARD in (name, other):
+        return name == other
+    if os.path.realpath(name) == os.path.realpath(other):
+        return True
+    with suppress(OSError):
+        return os.path.samefile(name, other) and Path(name).is_file()
+    return False
+
+
 def write_output(name: str, parts: Iterable[str]) -> None:
     """Write text piece by piece; an existing file gives way only to a complete new one.
 
@@ -47,8 +59,18 @@ def write_output(name: str, parts: Iterable[str]) -> None:
         parts: the text, in order.
 
     Raises:
-        OSError: if it can't be written; a file that was there is as before.
+        OSError: naming the file, if it can't be written; one that was there is as before.
     """
+    try:
+        _write(name, parts)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        place = "to standard output" if name == STANDARD else name
+        raise OSError(f"can't write {place}: {error.strerror or error}") from error
+
+
+def _write(name: str, parts: Iterable[str]) -> None:
     if name == STANDARD:
         sys.stdout.writelines(parts)
         sys.stdout.flush()

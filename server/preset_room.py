@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+from threading import Lock
+
+from robot.experiment import Experiment
 from robot.presets import PresetStore
 from server.limits import MAX_PRESETS, TooManyPresetsError
 
+_turn = Lock()
 
-def refuse_if_full(store: PresetStore, name: str) -> None:
-    """Refuse one preset more than there may be; an existing one can always be overwritten.
+
+def save_if_room(
+    store: PresetStore, name: str, experiment: Experiment, overwrite: bool = False
+) -> None:
+    """Save a preset where there is room; an existing one can always be overwritten.
 
     Args:
-        store: where it is to be saved.
+        store: where to save it.
         name: its name.
+        experiment: what to save.
+        overwrite: whether it may take the place of another of the user's.
 
     Raises:
         TooManyPresetsError: if the folder is full.
+        SlidetuneError: whatever ``store.save`` raises.
     """
-    names = {path.stem for path in store.user.glob("*.yaml")}
-    if name not in names and len(names) >= MAX_PRESETS:
-        text = f"there are {len(names)} presets of yours, {MAX_PRESETS} are allowed: delete one"
-        raise TooManyPresetsError(text)
+    # One after the other: of many at once each would find the room that is left for one.
+    with _turn:
+        names = {path.stem for path in store.user.glob("*.yaml")}
+        if name not in names and len(names) >= MAX_PRESETS:
+            text = f"there are {len(names)} presets of yours, {MAX_PRESETS} are allowed: delete one"
+            raise TooManyPresetsError(text)
+        store.save(name, experiment, overwrite)

@@ -11,6 +11,7 @@ import numpy as np
 
 from robot.experiment import Experiment
 from robot.response import CHANNELS, Response, lane_response, only_lane, quickened
+from server.run_cost import refuse_if_costly
 from server.workers import Workers
 
 KEPT = 48
@@ -62,7 +63,7 @@ class Previews:
         self._ahead: asyncio.Task[Any] | None = None
 
     async def respond(
-        self, experiment: Experiment, quick: bool, client: str
+        self, experiment: Experiment, quick: bool, client: str, turn: str = ""
     ) -> dict[str, Response] | None:
         """Run every lane of an experiment over its horizon.
 
@@ -70,21 +71,25 @@ class Previews:
             experiment: what to run.
             quick: whether the coarser step of a drag will do; its error is not estimated.
             client: who asks; an empty text never supersedes anybody.
+            turn: who asks, where others wait too; ``client`` where it is empty.
 
         Returns:
             The response of every lane, or ``None`` if the client asked for a newer one meanwhile.
 
         Raises:
             WorkerLostError: if a worker process was killed.
-            InvalidExperimentError: if the arm can't follow the trajectory.
+            InvalidExperimentError: if the arm can't follow the trajectory, or if it would take the
+                workers for too long.
         """
+        chosen = quickened(experiment) if quick else experiment
+        refuse_if_costly(chosen)
         if self._ahead is not None:
             self._ahead.cancel()
         older = self._running.pop(client, None) if client else None
         if older is not None:
             older.cancel()
-        chosen = quickened(experiment) if quick else experiment
-        task = asyncio.ensure_future(self._all_lanes(chosen, estimate=not quick))
+        work = self._all_lanes(chosen, not quick, client or turn)
+        task = asyncio.ensure_future(work)
         if client:
             self._running[client] = task
         try:
@@ -103,14 +108,16 @@ class Previews:
 
     def _look_ahead(self, experiment: Experiment) -> None:
         """Run a drag's coarser steps before it begins: then it has to run what it changes alone."""
-        ahead = self._all_lanes(quickened(experiment), estimate=False)
+        ahead = self._all_lanes(quickened(experiment), estimate=False, turn="ahead")
         self._ahead = asyncio.ensure_future(ahead)
         # Nobody waits for it: what becomes of it is no news.
         self._ahead.add_done_callback(lambda task: task.cancelled() or task.exception())
 
-    async def _all_lanes(self, experiment: Experiment, estimate: bool) -> dict[str, Response]:
+    async def _all_lanes(
+        self, experiment: Experiment, estimate: bool, turn: str
+    ) -> dict[str, Response]:
         tasks = [
-            asyncio.ensure_future(self._lane(experiment, name, estimate))
+            asyncio.ensure_future(self._lane(experiment, name, estimate, turn))
             for name in experiment.lanes
         ]
         try:
@@ -122,14 +129,14 @@ class Previews:
             raise
         return dict(zip(experiment.lanes, responses, strict=True))
 
-    async def _lane(self, experiment: Experiment, name: str, estimate: bool) -> Response:
+    async def _lane(self, experiment: Experiment, name: str, estimate: bool, turn: str) -> Response:
         """Run one lane; what didn't change since one of the last requests isn't run again."""
         alone = only_lane(experiment, name)
         # An estimate is part of the answer: a drag's run without one is no exact answer.
         key = alone.model_dump_json(exclude={"title", "description"}), estimate
         known = self._known.get(key)
         if known is None:
-            known = await self._workers.run(lane_response, alone, name, estimate)
+            known = await self._workers.run(lane_response, alone, name, estimate, client=turn)
             self._known[key] = known
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)

@@ -20,7 +20,13 @@ from robot.errors import (
     UnknownPresetError,
 )
 from server.errors import error_body
-from server.limits import TooManyPatchesError, TooManyPresetsError, TooManyStudiesError
+from server.limits import (
+    MessageTooLargeError,
+    SessionBusyError,
+    TooManyPatchesError,
+    TooManyPresetsError,
+    TooManyStudiesError,
+)
 from server.openapi import methods_at
 from server.workers import BusyError, WorkerLostError
 from server.wrong_request import refused_fields
@@ -44,6 +50,8 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (PresetStorageError, 507, "storage"),
     (WorkerLostError, 503, "worker_lost"),
     (BusyError, 503, "busy"),
+    (SessionBusyError, 503, "busy"),
+    (MessageTooLargeError, 413, "too_large"),
     (TooManyPatchesError, 429, "too_many_patches"),
     (TooManyStudiesError, 429, "too_many_studies"),
     (TooManyPresetsError, 507, "too_many_presets"),

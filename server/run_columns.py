@@ -26,6 +26,8 @@ LANE_COLUMNS = (
 )
 """Name and unit of a lane's groups of six columns."""
 
+_FORMULAS = ("=", "+", "-", "@")
+"""How a cell begins that a spreadsheet computes when it opens a file."""
 _CHUNK = 2000
 """Rows turned into text at a time (*ours*)."""
 
@@ -54,14 +56,19 @@ def _axes(name: str, block: Array) -> list[tuple[str, Array]]:
     return [(f"{name}_{axis} [m]", block[:, index]) for index, axis in enumerate(AXES)]
 
 
+def _harmless(cell: str) -> str:
+    return f"'{cell}" if cell.startswith(_FORMULAS) else cell
+
+
 def csv_lines(run: Run) -> Iterator[str]:
     """Yield a run as comma-separated values, header first; what isn't a number is left empty.
 
-    Every number has all its digits: read back, it is the same to the last bit.
+    A lane's name that a spreadsheet would take for a formula has an apostrophe before it. Every
+    number has all its digits: read back, it is the same to the last bit.
     """
     columns = run_columns(run)
     header = io.StringIO()
-    csv.writer(header, lineterminator="\n").writerow([name for name, _ in columns])
+    csv.writer(header, lineterminator="\n").writerow([_harmless(name) for name, _ in columns])
     yield header.getvalue()
     for begin in range(0, len(run.time), _CHUNK):
         block = np.column_stack([values[begin : begin + _CHUNK] for _, values in columns])

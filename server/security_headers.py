@@ -21,6 +21,14 @@ SCENE_POLICY = (
     "base-uri 'none'; form-action 'self'"
 )
 
+RAW_HEADERS = {
+    "content-security-policy": "default-src 'none'; frame-ancestors 'none'",
+    "cross-origin-resource-policy": "same-origin",
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+}
+"""Headers of an answer that no page is in."""
+
 _NAME_AND_PORT = re.compile(r"[A-Za-z0-9._-]+(:[0-9]{1,5})?")
 
 

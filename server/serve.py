@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import socket
-import threading
-import webbrowser
-from contextlib import closing
+from contextlib import ExitStack, closing
 
 import uvicorn
 from rich.console import Console
@@ -15,6 +13,8 @@ from server.access_policy import AccessPolicy, policy_for
 from server.allocator import map_large_blocks_apart
 from server.app import create_app
 from server.limits import MAX_MESSAGE
+from server.open_browser import open_browser, private_way
+from server.raw_http import RawHttp, RawWebSocket, leave_foreign_text_out_of_the_log
 from server.studio import Studio
 
 PORTS = 20
@@ -61,6 +61,7 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._policy = policy
         self._browser = browser
+        self._ways = ExitStack()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
@@ -71,7 +72,11 @@ class _Server(uvicorn.Server):
         for watched in self._policy.addresses("viewer"):
             _say(f"To watch only: {watched}")
         if self._browser:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+            open_browser(self._ways.enter_context(private_way(address)))
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._ways.close()
+        await super().shutdown(sockets)
 
 
 def _say(text: str) -> None:
@@ -103,10 +108,13 @@ def serve(
         app = create_app(Studio(experiment, preset), policy)
         config = uvicorn.Config(
             app,
+            http=RawHttp,
+            ws=RawWebSocket,
             log_level="warning",
             ws_max_size=MAX_MESSAGE,
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=2,
             server_header=False,
         )
+        leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Event, Thread, get_native_id
@@ -20,6 +19,7 @@ from robot.closed_loop import ClosedLoop
 from robot.lane import Freeze
 from robot.packed import Packed
 from robot.workspace import Q
+from server.commands import Commands, Request
 from server.pacing import TICK, Pacer
 from server.push import Push
 from server.recorder import Recorder
@@ -31,11 +31,12 @@ log = logging.getLogger("slidetune.session")
 
 BUFFER = 4096
 """Steps that a lane's record holds between two ticks (*ours*)."""
+SLICE = 16
+"""Most steps between two looks at the clock (*ours*)."""
 SPEEDS = (0.1, 10.0)
 """Least and greatest speed [-] (*ours*)."""
 
 Array = np.ndarray
-Request = Callable[[], None]
 
 
 class View(Protocol):
@@ -94,8 +95,7 @@ class Session:
         self.recorder = Recorder()
         self._roughness = Roughness()
         self._push = Push()
-        self._requests: deque[Request] = deque()
-        self._pending: Request | None = None
+        self._commands = Commands()
         self._swapped = False
         self._wake = Event()
         self._stopping = False
@@ -115,13 +115,31 @@ class Session:
         if self._thread.is_alive():
             self._thread.join(timeout=5.0)
 
+    @property
+    def waiting_steps(self) -> int:
+        """How many steps will be made before what is asked for now, unless they are dropped."""
+        return self._commands.steps
+
     def ask(self, request: Request) -> None:
         """Let the session's thread call ``request`` at the top of its next tick, in order."""
-        self._requests.append(request)
+        self._commands.add(request)
+        self._wake.set()
+
+    def refuse_if_busy(self) -> None:
+        """Refuse one command more than may wait.
+
+        Raises:
+            SessionBusyError: saying what to do.
+        """
+        self._commands.refuse_if_full()
+
+    def _ask_instead(self, request: Request) -> None:
+        """Ask for what makes the steps that wait needless."""
+        self._commands.add(request, instead_of_steps=True)
         self._wake.set()
 
     def adopt(self, packed: Packed, revision: int, origins: dict[str, str] | None = None) -> None:
-        """Swap the experiment at the next step; of several waiting, lanes aside, the last counts.
+        """Swap the experiment at the next step; of several in a row, lanes aside, the last counts.
 
         Args:
             packed: the new experiment as numbers.
@@ -131,42 +149,47 @@ class Session:
         if origins or list(packed.gains) != list(self.loop.lanes):
             self.ask(lambda: self._swap(packed, revision, origins))
             return
-        self._pending = lambda: self._swap(packed, revision, None)
-        self.ask(self._take_pending)
+        self._commands.add_latest(lambda: self._swap(packed, revision, None))
+        self._wake.set()
 
     def load(self, packed: Packed, revision: int) -> None:
-        """Begin another experiment at time 0."""
+        """Begin another experiment at time 0; steps that wait are dropped."""
 
         def begin() -> None:
             self.revision = revision
-            self._pending = None
             self._begin(packed)
 
-        self.ask(begin)
+        self._ask_instead(begin)
 
     def play(self) -> None:
-        """Let time go on."""
-        self.ask(lambda: self._set_playing(True))
+        """Let time go on; steps that wait are dropped."""
+        self._ask_instead(lambda: self._set_playing(True))
 
     def pause(self) -> None:
-        """Hold time."""
-        self.ask(lambda: self._set_playing(False))
+        """Hold time; steps that wait are dropped."""
+        self._ask_instead(lambda: self._set_playing(False))
 
     def step(self, count: int = 1) -> None:
-        """Pause and make ``count`` steps."""
+        """Pause and make ``count`` steps, as fast as time allows; at most 4000 wait.
 
-        def make() -> None:
-            self._set_playing(False)
-            self._advance(count)
-
-        self.ask(make)
+        Raises:
+            SessionBusyError: if as many commands wait as may.
+        """
+        self.refuse_if_busy()
+        self._commands.add_steps(count)
+        self._wake.set()
 
     def reset(self) -> None:
-        """Go back to time 0 and thaw every lane."""
-        self.ask(self._reset)
+        """Go back to time 0 and thaw every lane; steps that wait are dropped."""
+        self._ask_instead(self._reset)
 
     def kick(self, torque: tuple[float, ...], duration: float) -> None:
-        """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s]."""
+        """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s].
+
+        Raises:
+            SessionBusyError: if as many commands wait as may.
+        """
+        self.refuse_if_busy()
         self.ask(lambda: self._push.kick(np.array(torque), self.loop.time + duration))
 
     def fork(self, packed: Packed, revision: int, moment: float, origins: dict[str, str]) -> None:
@@ -181,16 +204,20 @@ class Session:
 
         def branch() -> None:
             self.recorder.restore(self.loop, moment)
-            self._pending = None
             self._swap(packed, revision, origins)
             if self.view is not None:
                 self.view.restart()
             self._set_playing(True)
 
-        self.ask(branch)
+        self._ask_instead(branch)
 
     def set_speed(self, speed: float) -> None:
-        """Let ``speed`` simulated seconds pass in one of the wall's."""
+        """Let ``speed`` simulated seconds pass in one of the wall's.
+
+        Raises:
+            SessionBusyError: if as many commands wait as may.
+        """
+        self.refuse_if_busy()
 
         def change() -> None:
             self.pacer.speed = speed
@@ -208,6 +235,7 @@ class Session:
             "capped": self.playing and self.pacer.capped,
             "revision": self.revision,
             "epoch": self.epoch,
+            "waiting_steps": self.waiting_steps,
             "horizon": loop.packed.experiment.simulation.horizon,
             "lanes": {
                 name: {**_status(lane.freeze), "remark": self._roughness.remark(name)}
@@ -225,15 +253,16 @@ class Session:
                 self._tick()
             except Exception:
                 log.exception("The session stumbled and paused.")
+                self._commands.drop_steps()
                 self.playing = False
                 self.on_change()
-            self._wake.wait(self.pacer.rest() if self.playing else 1.5 * TICK)
+            busy = self.playing or self.waiting_steps
+            self._wake.wait(self.pacer.rest() if busy else 1.5 * TICK)
             self._wake.clear()
 
     def _tick(self) -> None:
         deadline = self.pacer.begin()
-        while self._requests:
-            self._requests.popleft()()
+        self._obey(deadline)
         if self.playing:
             if self.pacer.stalled:
                 self.on_notice(
@@ -245,12 +274,28 @@ class Session:
         if self.view is not None:
             self.view.draw(self.loop)
 
+    def _obey(self, deadline: float) -> None:
+        """Do what was asked, in order; where it is steps, as long as the tick's time lasts."""
+        most = 1
+        while (command := self._commands.take(most)) is not None:
+            if not isinstance(command, int):
+                command()
+                continue
+            if self.playing:
+                self._set_playing(False)
+            self._advance(command)
+            if not self.waiting_steps:
+                self.on_change()
+            if self.pacer.overdue(deadline):
+                return
+            most = min(2 * most, SLICE)
+
     def _advance_until(self, deadline: float) -> None:
         """Step while the budget and the tick's time last."""
         period, pacer = self.loop.period, self.pacer
         while pacer.affords(period) and not pacer.overdue(deadline):
             count = 0
-            while count < 16 and pacer.affords(period):
+            while count < SLICE and pacer.affords(period):
                 pacer.spend(period)
                 count += 1
             self._advance(count)
@@ -299,11 +344,6 @@ class Session:
         if list(self.loop.lanes) != before:
             self._new_lanes()
         self._swapped = True
-
-    def _take_pending(self) -> None:
-        pending, self._pending = self._pending, None
-        if pending is not None:
-            pending()
 
     def _set_playing(self, playing: bool) -> None:
         if playing and not self.playing:

@@ -20,6 +20,7 @@ from threading import Thread
 from typing import Any, TypeVar
 
 from robot.errors import SlidetuneError
+from server.turns import Turns
 
 Result = TypeVar("Result")
 
@@ -89,6 +90,7 @@ class Workers:
         self._tickets = itertools.count(1)
         self._free = set(range(SLOTS))
         self._pool: ProcessPoolExecutor | None = None
+        self._turns = Turns(self._count)
 
     def start(self) -> None:
         """Start the processes, without waiting for them."""
@@ -115,13 +117,14 @@ class Workers:
         """Return the ids of the processes."""
         return [] if self._pool is None else list(getattr(self._pool, "_processes", None) or ())
 
-    async def run(self, function: Callable[..., Result], *args: Any) -> Result:
+    async def run(self, function: Callable[..., Result], *args: Any, client: str = "") -> Result:
         """Run ``function(*args, cancelled=…)`` in a process; cancelling this cancels the task.
 
         Args:
             function: a function of a module, which takes ``cancelled``, a callable that says
                 whether to stop.
             args: what can travel between processes.
+            client: who asks; of those who wait each has its turn, however much another asked.
 
         Raises:
             WorkerLostError: if the process was killed while it ran ``function``.
@@ -133,13 +136,14 @@ class Workers:
         self._flags[slot] = ticket
         task = partial(_perform, function, slot, ticket, args)
         try:
-            for _ in range(TRIES):
-                try:
-                    return await asyncio.wrap_future(self._submit(task))
-                except BrokenProcessPool:
-                    if self._begun[slot] == ticket or self._pool is None:
-                        break  # it may be this very task that ends its process; or all is over
-            raise WorkerLostError("a worker process was lost: ask again")
+            async with self._turns.turn(client):
+                for _ in range(TRIES):
+                    try:
+                        return await asyncio.wrap_future(self._submit(task))
+                    except BrokenProcessPool:
+                        if self._begun[slot] == ticket or self._pool is None:
+                            break  # it may be this very task that ends its process; or all is over
+                raise WorkerLostError("a worker process was lost: ask again")
         finally:
             self._flags[slot] = 0
             self._free.add(slot)

@@ -34,7 +34,7 @@ export {ApiError};
  */
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
- *   capped: boolean, revision: number, epoch: number, horizon: number,
+ *   capped: boolean, revision: number, epoch: number, waiting_steps: number, horizon: number,
  *   lanes: {[name: string]: LaneState}}} State
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
@@ -203,7 +203,7 @@ export class Api extends EventTarget {
   async savePreset(name, {overwrite = false} = {}) {
     await this.settled();
     const saved = await request('PUT', `${presetAddress(name)}?overwrite=${overwrite}`);
-    Object.assign(this, {preset: name, baseline: this.experiment});
+    Object.assign(this, {preset: name, baseline: saved.experiment});
     this.#emit('saved', name);
     return saved;
   }

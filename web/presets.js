@@ -10,6 +10,10 @@ import {same} from './merge_patch.js';
 /** @typedef {import('./api.js').Preset} Preset */
 /** @typedef {import('./notices.js').Tell} Tell */
 
+/** What the server takes as a name, and how it says so. */
+const NAME = /^[a-z0-9][a-z0-9-]{0,59}$/;
+const NAME_RULE = 'A preset’s name has 1 to 60 of a-z, 0-9 and -, such as my-gains';
+
 /** Presets of the live session. */
 export class Presets {
   /** Shows which preset is loaded and whether it was changed; opens the list. */
@@ -117,7 +121,7 @@ export class Presets {
     const {preset, experiment} = this.#api;
     const questions = [
       {name: 'name', label: 'Name', value: preset, required: true, length: 60,
-        hint: 'Small letters, digits, - and _; it becomes the file’s name.'},
+        hint: 'Small letters, digits and -; it becomes the file’s name.'},
       {name: 'title', label: 'Title', value: experiment.title, length: 120},
       {name: 'description', label: 'What to look at', value: experiment.description, long: true,
         length: 4000},
@@ -125,6 +129,8 @@ export class Presets {
     let agreed = '';
     ask('Save as preset', questions, 'Save', async ({name: typed, ...about}, {relabel}) => {
       const name = typed.trim();
+      // Before asking: an address can't carry every name as it is.
+      if (!NAME.test(name)) throw new Error(`${NAME_RULE}, got ${name}.`);
       const there = (await this.#api.listPresets()).find((one) => one.name === name);
       if (there?.shipped) {
         throw new Error(`${name} ships with Slidetune and is read-only: choose another name.`);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request, Response
@@ -50,11 +51,12 @@ def experiment_router(studio: Studio) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["experiment"])
     document = studio.document
 
-    def answer() -> dict[str, Any]:
+    def answer(waiting_steps: int = 0) -> dict[str, Any]:
         return {
             "revision": document.revision,
             "preset": document.preset,
             "experiment": document.experiment.document(),
+            "waiting_steps": waiting_steps,
         }
 
     @router.get("/schema")
@@ -63,7 +65,7 @@ def experiment_router(studio: Studio) -> APIRouter:
         return {**Experiment.model_json_schema(), "x-laws": law_infos()}
 
     @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
-    async def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:
+    def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:
         """The live document, as JSON or as a YAML download."""
         if format == "yaml":
             return yaml_response(document.experiment, document.preset or "experiment")
@@ -73,7 +75,7 @@ def experiment_router(studio: Studio) -> APIRouter:
     def patch(patch: Annotated[dict[str, Any], Body(examples=[_PATCH])]) -> dict[str, Any]:
         """Change the live document by a JSON Merge Patch (RFC 7396)."""
         document.patch(patch, author="http")
-        return answer()
+        return answer(studio.session.waiting_steps)
 
     @router.put(
         "/experiment",
@@ -92,8 +94,12 @@ def experiment_router(studio: Studio) -> APIRouter:
     async def replace(request: Request) -> dict[str, Any]:
         """Replace the live document by JSON or YAML; time begins at 0."""
         body = await request.body()
-        experiment = parse_experiment(body, request.headers.get("content-type", ""))
-        document.replace(experiment, author="http")
+        content_type = request.headers.get("content-type", "")
+
+        def begin() -> None:
+            document.replace(parse_experiment(body, content_type), author="http")
+
+        await asyncio.to_thread(begin)
         return answer()
 
     return router

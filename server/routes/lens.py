@@ -11,6 +11,7 @@ from pydantic import Field
 from robot.lenses import look_through, only_known_lane
 from server.contract import ErrorAnswer, Strict
 from server.disconnect import until_gone
+from server.run_cost import refuse_if_costly
 from server.studio import Studio
 
 LensName = Literal["sliding", "network", "chattering"]
@@ -52,7 +53,10 @@ def lens_router(studio: Studio) -> APIRouter:
         """
         revision = studio.document.revision
         experiment = only_known_lane(studio.experiment_of(None, wanted.patch), wanted.lane)
-        work = studio.workers.run(look_through, experiment, wanted.lane, wanted.lenses)
+        refuse_if_costly(experiment)
+        turn = f"lens {request.client.host if request.client else ''}"
+        arguments = experiment, wanted.lane, wanted.lenses
+        work = studio.workers.run(look_through, *arguments, client=turn)
         seen = await until_gone(request, work)
         if seen is None:
             return Response(status_code=204)

@@ -28,11 +28,19 @@ from server.contract import (
 from server.errors import error_body
 from server.hub import Client, Hub, encode
 from server.limits import CLIENT_BURST, CLIENT_RATE, MAX_CLIENTS, TOTAL_RATE, TooManyPatchesError
+from server.message_size import message_cost, refuse_if_long, refuse_if_many, short_id
 from server.plain_json import NotJsonError, read_json
 from server.refusals import message_body, refusal_body
 from server.studio import Studio
 
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
+_AGAIN = ": this one was not acted on, send it again in a moment"
+
+
+def _too_fast() -> TooManyPatchesError:
+    return TooManyPatchesError(
+        f"more than {CLIENT_RATE:g} messages a second from one client{_AGAIN}"
+    )
 
 
 class Conversation:
@@ -47,15 +55,20 @@ class Conversation:
 
     async def hear(self, text: str) -> None:
         """Act on one message; a bad one is answered to this client alone and changes nothing."""
+        if not await self._pace(message_cost(text)):
+            self._refuse(refusal_body(_too_fast()), short_id(text))
+            return
         request: Any = None
         try:
+            refuse_if_long(text)
             data = read_json(text)
             request = data.get("id") if isinstance(data, dict) else None
+            refuse_if_many(data)
             if self._client.role == "viewer":
                 self._refuse(error_body("watch_only", WATCH_ONLY), request)
                 return
             message = _MESSAGE.validate_python(data)
-            await self._pace(message)
+            self._share(message)
             await self._act(message)
         except ValidationError as error:
             self._refuse(message_body(error), request)
@@ -64,21 +77,35 @@ class Conversation:
         except NotJsonError as error:
             self._refuse(error_body("bad_message", f"The message {error}."), request)
 
-    async def _pace(self, message: Any) -> None:
-        """Refuse what comes faster than it may; a slow drip of refusals is all that a flood gets.
+    async def hear_binary(self) -> None:
+        """Answer a message that isn't text."""
+        if await self._pace(1):
+            body = error_body("bad_message", "This server hears text messages only.")
+        else:
+            body = refusal_body(_too_fast())
+        self._refuse(body, None)
+
+    async def _pace(self, cost: int) -> bool:
+        """Let others have their turn, and say whether a message of ``cost`` may be acted on.
+
+        A slow drip of refusals is all that a flood gets, whatever is in it.
+        """
+        if self._allowance.take(cost):
+            await asyncio.sleep(0)  # many messages may be there already: they take turns too
+            return True
+        # This client's next message waits meanwhile; nobody else's does.
+        await asyncio.sleep(1.0 / CLIENT_RATE)
+        return False
+
+    def _share(self, message: Any) -> None:
+        """Refuse a patch where all clients together send too many.
 
         Raises:
             TooManyPatchesError: naming the limit; the message wasn't acted on.
         """
-        if not self._allowance.take():
-            # This client's next message waits meanwhile; nobody else's does.
-            await asyncio.sleep(1.0 / CLIENT_RATE)
-            text = f"more than {CLIENT_RATE:g} messages a second from one client"
-        elif isinstance(message, PatchMessage | LaneMessage) and not self._hub.patches.take():
+        if isinstance(message, PatchMessage | LaneMessage) and not self._hub.patches.take():
             text = f"more than {TOTAL_RATE:g} patches a second from all clients together"
-        else:
-            return
-        raise TooManyPatchesError(f"{text}: this one was not acted on, send it again in a moment")
+            raise TooManyPatchesError(f"{text}{_AGAIN}")
 
     def _refuse(self, body: dict[str, Any], request: Any) -> None:
         known = request if is_request_id(request) else None
@@ -86,6 +113,8 @@ class Conversation:
 
     async def _act(self, message: Any) -> None:
         session = self._studio.session
+        if not isinstance(message, PlainCommand):
+            session.refuse_if_busy()
         match message:
             case PatchMessage():
                 await self._patch(message)

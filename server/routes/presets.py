@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from robot.presets import PresetStore, preset_store
-from server.contract import ErrorAnswer, ExperimentAnswer, PresetAnswer, PresetList, PresetSummary
+from robot.experiment import Experiment
+from robot.presets import info_of, preset_store
+from server.contract import ErrorAnswer, ExperimentAnswer, PresetAnswer, PresetList
 from server.openapi import OR_YAML, YAML
-from server.preset_room import refuse_if_full
+from server.preset_room import save_if_room
 from server.routes.experiment import parse_experiment, yaml_response
 from server.studio import Studio
 
@@ -23,8 +24,9 @@ _CONFLICT: dict[int | str, dict[str, Any]] = {
 }
 
 
-def _summary(store: PresetStore, name: str) -> dict[str, Any]:
-    return next(asdict(info) for info in store.infos() if info.name == name)
+def _answer(name: str, experiment: Experiment, shipped: bool) -> dict[str, Any]:
+    info = info_of(name, experiment, shipped)
+    return {**asdict(info), "experiment": experiment.document()}
 
 
 def presets_router(studio: Studio) -> APIRouter:
@@ -45,11 +47,11 @@ def presets_router(studio: Studio) -> APIRouter:
         experiment = store.load(name)
         if format == "yaml" or YAML in request.headers.get("accept", ""):
             return yaml_response(experiment, name)
-        return {**_summary(store, name), "experiment": experiment.document()}
+        return _answer(name, experiment, store.is_shipped(name))
 
     @router.put(
         "/{name}",
-        response_model=PresetSummary,
+        response_model=PresetAnswer,
         responses=_CONFLICT,
         openapi_extra={
             "requestBody": {
@@ -66,14 +68,14 @@ def presets_router(studio: Studio) -> APIRouter:
         """Save an experiment as a preset of the user's; an empty body saves the live one."""
         body = await request.body()
         content_type = request.headers.get("content-type", "")
-        store = preset_store()
-        experiment = parse_experiment(body, content_type) if body.strip() else None
-        saved = experiment or studio.document.experiment
-        await run_in_threadpool(refuse_if_full, store, name)
-        await run_in_threadpool(store.save, name, saved, overwrite)
-        if experiment is None:
-            studio.document.saved_as(name)
-        return await run_in_threadpool(_summary, store, name)
+        if body.strip():
+            saved = await run_in_threadpool(parse_experiment, body, content_type)
+            await run_in_threadpool(save_if_room, preset_store(), name, saved, overwrite)
+        else:
+            beginning, saved = studio.document.present()
+            await run_in_threadpool(save_if_room, preset_store(), name, saved, overwrite)
+            studio.document.saved_as(name, saved, beginning)
+        return _answer(name, saved, shipped=False)
 
     @router.delete("/{name}", status_code=204, responses=_CONFLICT)
     def delete(name: str) -> Response:

@@ -61,7 +61,8 @@ def preview_router(studio: Studio) -> APIRouter:
         """
         revision = studio.document.revision
         experiment = studio.experiment_of(wanted.experiment, wanted.patch)
-        work = studio.previews.respond(experiment, wanted.quick, wanted.client)
+        turn = request.client.host if request.client else ""
+        work = studio.previews.respond(experiment, wanted.quick, wanted.client, turn)
         responses = await until_gone(request, work)
         if responses is None:
             return Response(status_code=204)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Request
 
 from server.access import role_in
-from server.contract import ErrorAnswer, Health, Kick, SessionState, Speed, Steps
+from server.contract import Accepted, ErrorAnswer, Health, Kick, SessionState, Speed, Steps
 from server.limits import limits_document
 from server.studio import Studio
 
@@ -37,35 +37,35 @@ def session_router(studio: Studio) -> APIRouter:
         return {**studio.state(), "speed": speed.speed}
 
     @router.post("/session/play", status_code=202)
-    async def play() -> dict[str, bool]:
-        """Let time go on."""
+    async def play() -> Accepted:
+        """Let time go on; steps that wait are dropped."""
         session.play()
-        return {"accepted": True}
+        return Accepted(waiting_steps=0)
 
     @router.post("/session/pause", status_code=202)
-    async def pause() -> dict[str, bool]:
-        """Hold time."""
+    async def pause() -> Accepted:
+        """Hold time; steps that wait are dropped."""
         session.pause()
-        return {"accepted": True}
+        return Accepted(waiting_steps=0)
 
     @router.post("/session/step", status_code=202, responses=REFUSED)
-    async def step(steps: Annotated[Steps | None, Body()] = None) -> dict[str, bool]:
-        """Pause and make some steps."""
+    async def step(steps: Annotated[Steps | None, Body()] = None) -> Accepted:
+        """Pause and make some steps; at most 4000 wait, more are left out."""
         session.step((steps or Steps()).count)
-        return {"accepted": True}
+        return Accepted(waiting_steps=session.waiting_steps)
 
     @router.post("/session/reset", status_code=202)
-    async def reset() -> dict[str, bool]:
-        """Go back to time 0 and thaw every lane."""
+    async def reset() -> Accepted:
+        """Go back to time 0 and thaw every lane; steps that wait are dropped."""
         session.reset()
-        return {"accepted": True}
+        return Accepted(waiting_steps=0)
 
     @router.post("/session/kick", status_code=202, responses=REFUSED)
-    async def kick(push: Annotated[Kick | None, Body()] = None) -> dict[str, bool]:
+    async def kick(push: Annotated[Kick | None, Body()] = None) -> Accepted:
         """Push the joints of all lanes."""
         push = push or Kick()
         session.kick(push.torque, push.duration)
-        return {"accepted": True}
+        return Accepted(waiting_steps=session.waiting_steps)
 
     @router.get("/metrics")
     def metrics() -> dict[str, Any]:

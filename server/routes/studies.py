@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
@@ -17,6 +18,7 @@ from robot.study.plan import Trial, sensitivity, strip, switching_comparison
 from robot.study.variant import METRICS, figures
 from server.contract import ErrorAnswer, Strict
 from server.limits import MAX_STUDIES, TooManyStudiesError
+from server.run_cost import refuse_if_costly
 from server.seats import Seats
 from server.studio import Studio
 from server.workers import BusyError, WorkerLostError
@@ -68,15 +70,19 @@ def studies_router(studio: Studio) -> APIRouter:
     """Return the routes of the studies."""
     router = APIRouter(prefix="/api/studies", tags=["studies"])
     seats = Seats(MAX_STUDIES, lambda: TooManyStudiesError(_FULL))
+    numbers = itertools.count()
 
     def told(lane: str, trials: list[Trial]) -> StreamingResponse:
         experiment, revision = studio.document.experiment, studio.document.revision
+        refuse_if_costly(experiment)
+        turn = f"study {next(numbers)}"
 
         async def lines() -> AsyncIterator[str]:
             # One at a time: a preview that comes meanwhile waits for one run, not for all.
             for number, trial in enumerate(trials):
                 try:
-                    result = await studio.workers.run(figures, experiment, lane, trial.patch)
+                    arguments = experiment, lane, trial.patch
+                    result = await studio.workers.run(figures, *arguments, client=turn)
                 except (BusyError, WorkerLostError) as error:
                     nothing = dict.fromkeys(METRICS)
                     result = {**nothing, "state": "refused", "reason": str(error)}

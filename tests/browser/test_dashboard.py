@@ -164,6 +164,23 @@ def test_presets_are_switched_from_the_menu(page: Page, dashboard: Dashboard) ->
         time.sleep(0.05)
 
 
+def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_page(page, dashboard)
+    page.get_by_role("button", name="Save", exact=True).click()
+    dialog = page.locator("dialog[open]")
+    name, alert = dialog.locator("[name=name]"), dialog.locator(".dialog-alert")
+    for wrong in ("my_gains", "../evil", "My gains"):
+        name.fill(wrong)
+        dialog.locator("[type=submit]").click()
+        expect(alert).to_have_text(re.compile(rf"a-z, 0-9 and -, .* got {re.escape(wrong)}"))
+    name.fill("my-gains")
+    dialog.locator("[type=submit]").click()
+    expect(page.locator(".preset-name")).to_have_text("my-gains")
+    expect(page.locator(".preset-button")).not_to_have_class(re.compile("is-changed"))
+
+
 def test_an_export_comes_back_by_import(page: Page, dashboard: Dashboard, tmp_path: Path) -> None:
     open_page(page, dashboard)
     nu = box(page, "lanes.RBFNN-NFTSM.nu")

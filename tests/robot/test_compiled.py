@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
+import stat
+import tempfile
 from pathlib import Path
 from types import ModuleType
 
@@ -76,3 +79,43 @@ def test_a_run_leaves_the_kernels_warm() -> None:
     simulate(Experiment.from_document({"simulation": {"horizon": 0.1}}))
     assert is_warm()
     assert CACHE.is_dir()
+
+
+@pytest.fixture
+def homeless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Take the cache folder away, and return the temporary folder that is left."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setattr(compiled.platformdirs, "user_cache_dir", lambda _: tmp_path / "file" / "x")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
+    monkeypatch.setenv(compiled._HANDED_ON, "")
+    return tmp_path / "tmp"
+
+
+def test_kernels_without_a_cache_folder_go_to_a_private_one_that_is_found_again(
+    homeless: Path,
+) -> None:
+    folder = compiled._folder()
+    assert folder.parent == homeless / f"slidetune-{os.getuid()}"
+    assert stat.S_IMODE(folder.parent.stat().st_mode) == 0o700
+    assert compiled._folder() == folder
+
+
+@pytest.mark.parametrize("kind", ["open", "link", "file"])
+def test_a_folder_that_others_could_fill_is_never_run_from_nor_stops_the_start(
+    homeless: Path, kind: str
+) -> None:
+    foreign = homeless / f"slidetune-{os.getuid()}"
+    if kind == "open":
+        foreign.mkdir()
+        foreign.chmod(0o777)
+    elif kind == "link":
+        (homeless / "theirs").mkdir(mode=0o700)
+        foreign.symlink_to(homeless / "theirs")
+    else:
+        foreign.write_text("")
+    folder = compiled._folder()
+    assert foreign not in folder.parents
+    assert folder.resolve() == folder
+    assert stat.S_IMODE(folder.parent.stat().st_mode) == 0o700
+    assert compiled._folder() == folder  # in the processes that this one starts, too

@@ -9,7 +9,14 @@ import pytest
 
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment
-from robot.plain_values import DEEPEST, LONGEST_KEY, UnfitError, plain_values
+from robot.plain_values import (
+    DEEPEST,
+    LONGEST_KEY,
+    MOST_KEYS,
+    MOST_VALUES,
+    UnfitError,
+    plain_values,
+)
 
 
 def nested(levels: int, kind: type = dict) -> Any:
@@ -25,6 +32,24 @@ def test_depth_is_bounded(kind: type) -> None:
     with pytest.raises(UnfitError, match="nests deeper") as caught:
         plain_values(nested(DEEPEST + 1, kind))
     assert caught.value.path.count(".") == DEEPEST - 1
+
+
+@pytest.mark.parametrize(
+    "many",
+    [
+        {str(number): number for number in range(MOST_KEYS + 1)},
+        {"robot": [[[]] * MOST_VALUES]},
+        {"lanes": {str(number): {"nu": 1} for number in range(MOST_KEYS // 2)}},
+    ],
+)
+def test_the_number_of_values_is_bounded(many: dict[str, Any]) -> None:
+    with pytest.raises(UnfitError, match=r"more than \d000"):
+        plain_values(many)
+    for take in (Experiment.from_document, Experiment().patched):
+        with pytest.raises(InvalidExperimentError, match=r"more than \d000") as caught:
+            take(many)
+        assert len(caught.value.fields) == 1
+    assert plain_values({"a": [1] * (MOST_VALUES - 10)})
 
 
 def test_whole_numbers_beyond_every_float_are_infinite() -> None:

@@ -198,6 +198,24 @@ def test_large_and_foreign_text_is_refused_before_it_is_parsed() -> None:
     assert "UTF-8" in str(refused("title: \ud800"))
 
 
+@pytest.mark.parametrize("piece", ["[[[[[[]]]]]],", "1,", "{},", "a,"])
+def test_a_text_of_too_many_pieces_is_refused_before_it_is_read_to_its_end(piece: str) -> None:
+    text = f"title: a\nrobot: [\n{piece * (60_000 // len(piece))}"
+    # That the list has no end is not seen any more.
+    error = refused(text)
+    assert "more than 5000 keys, values and lists" in str(error)
+    assert error.fields[0].line == 3
+
+
+def test_the_largest_experiment_is_read() -> None:
+    fields = ("nu", "c", "mu", "k1", "k2", "learning_rate")
+    lane = {"law": "rbfnn_nftsm"} | {name: [1, 2, 3, 4, 5, 6] for name in fields}
+    lanes = {f"{number} {'x' * 38}": lane for number in range(6)}
+    patch = {"description": "y\n" * 2000, "lanes": {**lanes, "RBFNN-NFTSM": None}}
+    largest = Experiment().patched(patch)
+    assert experiment_from_yaml(experiment_to_yaml(largest)) == largest
+
+
 @pytest.mark.parametrize(
     ("before", "after", "path", "line"),
     [

@@ -28,7 +28,7 @@ from server.limits import (
     TooManyPresetsError,
     limits_document,
 )
-from server.preset_room import refuse_if_full
+from server.preset_room import save_if_room
 from server.routes import live
 from server.seats import Seats
 from tests.server.conftest import Served, serving
@@ -335,7 +335,7 @@ def test_a_full_folder_takes_no_other_preset_but_the_same_again(
     assert served.http.delete("/api/presets/mine-8").status_code == 204
     assert served.http.put("/api/presets/one-more").status_code == 200
     with pytest.raises(TooManyPresetsError):
-        refuse_if_full(preset_store(), "another")
+        save_if_room(preset_store(), "another", experiment)
 
 
 def test_health_tells_the_limits(served: Served) -> None:

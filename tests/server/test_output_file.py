@@ -60,11 +60,37 @@ def test_a_dash_is_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == "ab"
 
 
-@pytest.mark.parametrize("names", [("nowhere/a",), (".",), ("a", "a"), ("-", "-")])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("nowhere/a",),
+        (".",),
+        ("a", "a"),
+        ("-", "-"),
+        ("a", "./a"),
+        ("there", "hard"),
+        ("later", "soft"),
+    ],
+)
 def test_bad_places_are_refused(
     names: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    Path("there").write_text("")
+    os.link("there", "hard")
+    Path("soft").symlink_to("later")
     check_outputs("a", "-", "", "")
+    check_outputs("b", "there", "soft")
     with pytest.raises(OutputError):
         check_outputs(*names)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
+def test_what_cannot_be_written_is_named() -> None:
+    with pytest.raises(OSError, match=r"^can't write /dev/full: No space left on device$"):
+        write_output("/dev/full", ["1"])
+
+
+def test_a_folder_that_cannot_be_written_is_named_by_the_file(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match=r"can't write .*gone/a\.csv: No such file"):
+        write_output(str(tmp_path / "gone" / "a.csv"), ["1"])

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import time
 from typing import Any
 
 import pytest
+import ruamel.yaml
 
 from robot.experiment import Experiment
 from robot.preset_yaml import experiment_from_yaml, experiment_to_yaml
@@ -95,6 +97,24 @@ def test_bad_yaml_names_line_and_field(served: Served) -> None:
     assert (error["fields"][0]["path"], error["fields"][0]["line"]) == ("lanes.A.nu", 5)
 
 
+def test_yaml_is_parsed_beside_the_event_loop(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parse, loops = ruamel.yaml.YAML.parse, []
+
+    def watched(self: ruamel.yaml.YAML, stream: Any) -> Any:
+        loops.append(asyncio._get_running_loop())
+        return parse(self, stream)
+
+    monkeypatch.setattr(ruamel.yaml.YAML, "parse", watched)
+    text = b"title: parsed\n"
+    for path in ("/api/experiment", "/api/presets/parsed"):
+        assert served.http.put(path, content=text, headers=YAML).status_code == 200
+    assert served.http.delete("/api/presets/parsed").status_code == 204
+    assert len(loops) >= 2
+    assert set(loops) == {None}
+
+
 def test_an_oversized_body_is_refused(served: Served) -> None:
     body = b"# " + b"x" * 400_000
     refusal(served.http.put("/api/experiment", content=body, headers=YAML), 413)
@@ -132,7 +152,9 @@ def test_shipped_presets_are_read_only(served: Served) -> None:
 def test_commands_over_http_act(served: Served) -> None:
     http = served.http
     for command in ("pause", "reset", "step", "kick", "play"):
-        assert http.post(f"/api/session/{command}").status_code == 202
+        answer = http.post(f"/api/session/{command}")
+        assert answer.status_code == 202
+        assert set(answer.json()) == {"accepted", "waiting_steps"}
     assert http.patch("/api/session", json={"speed": 2.0}).json()["speed"] == 2.0
     refusal(http.patch("/api/session", json={"speed": 0}), 422)
     refusal(http.post("/api/session/kick", json={"torque": [1, 2, 3]}), 422)

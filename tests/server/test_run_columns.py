@@ -69,3 +69,13 @@ def test_a_lane_that_diverged_leaves_empty_cells_and_never_nan(wild: Run) -> Non
     stopped = np.isnan(values[:, header.index("A/q1 [rad]")])
     assert stopped.any()
     assert np.array_equal(stopped, ~np.isfinite(wild.lanes["A"].q[:, 0]))
+
+
+def test_no_name_of_a_lane_becomes_a_formula() -> None:
+    names = ["=1+1", "+1", "-1", "@A1", "a=1"]
+    document = {"lanes": {name: {"law": "nftsm"} for name in names}}
+    short = Experiment.from_document({**document, "simulation": {"horizon": 0.1}})
+    header, _ = read(simulate(short))
+    assert not [cell for cell in header if cell[0] in "=+-@"]
+    assert "'=1+1/q1 [rad]" in header
+    assert "a=1/q1 [rad]" in header

@@ -86,6 +86,20 @@ def test_a_worker_that_was_killed_at_rest_costs_nothing(workers: Workers) -> Non
     assert [asyncio.run(kill_and_ask(value)) for value in range(3)] == [0, 2, 4]
 
 
+def test_one_who_asks_for_much_keeps_nobody_waiting_for_all_of_it(workers: Workers) -> None:
+    done: list[str] = []
+
+    async def ask(client: str) -> None:
+        await workers.run(double, 1, client=client)
+        done.append(client)
+
+    async def all_at_once() -> None:
+        await asyncio.gather(*(ask(client) for client in ["greedy"] * 12 + ["other"] * 2))
+
+    asyncio.run(all_at_once())
+    assert [place for place, client in enumerate(done) if client == "other"] == [2, 4]
+
+
 def test_stop_leaves_no_process() -> None:
     workers = Workers(1)
     assert asyncio.run(workers.run(double, 1)) == 2

@@ -18,6 +18,7 @@ from robot.errors import SlidetuneError
 from robot.experiment import Experiment
 from server.contract import ClientMessage
 from server.limits import CLIENT_RATE, MAX_MESSAGE
+from server.message_size import message_cost
 from tests.trust.fuzz_patch import patch_input
 from tests.trust.fuzz_values import BAD_JSON, TEXTS, Instances, json_text, wrong
 from tests.trust.fuzz_verdict import Fault, Tally, shown, unclear_answer
@@ -169,7 +170,7 @@ class LiveFuzz:
             socket = self._connected()
             for frame in batch:
                 self._fence += 1
-                self._pace()
+                self._pace(frame)
                 socket.send(frame.payload, text=frame.text)
                 socket.send(json.dumps({"type": "fence", "id": f"fence-{self._fence}"}))
             for number, frame in enumerate(batch):
@@ -208,9 +209,10 @@ class LiveFuzz:
         self._document = None
         self.tally.note(False, ("falls silent", f"for {_PATIENCE:g} s"), shown(frame.payload))
 
-    def _pace(self) -> None:
-        # Within the limit: a message that comes too fast is refused unread.
-        self._due = max(self._due + 1.05 / CLIENT_RATE, time.monotonic() - 1.0)
+    def _pace(self, frame: Frame) -> None:
+        # Within the limit, the fence counted too: a message that comes too fast is refused unread.
+        count = 1 + message_cost(frame.payload.decode("utf-8", "replace"))
+        self._due = max(self._due + 1.05 * count / CLIENT_RATE, time.monotonic() - 1.0)
         time.sleep(max(0.0, self._due - time.monotonic()))
 
     def _until(self, socket: ClientConnection, fence: int) -> list[dict[str, Any]]:
