@@ -56,17 +56,32 @@ export class Control {
   /** Name for people who hear the screen. */
   get name() { return this.field.title; }
 
+  /** The fields that it sets. */
+  get fields() { return [this.field]; }
+
   /** The server's value. */
-  get current() { return valueAt(this.#context.api.experiment, this.field.path); }
+  get current() { return this.currentOf(this.field); }
 
   /** The value in the loaded preset; in a lane that it doesn't have, the law's own default. */
-  get baseline() {
-    const {path} = this.field;
+  get baseline() { return this.baselineOf(this.field); }
+
+  /**
+   * @protected
+   * @param {Field} field
+   */
+  currentOf({path}) { return valueAt(this.#context.api.experiment, path); }
+
+  /**
+   * @protected
+   * @param {Field} field
+   */
+  baselineOf(field) {
+    const {path} = field;
     const {baseline, experiment} = this.#context.api;
     const above = path.slice(0, -1);
     const [was, is] = [valueAt(baseline, above), valueAt(experiment, above)];
     const alike = was && was.law === is?.law && was.kind === is?.kind;
-    return alike ? valueAt(baseline, path) : this.field.default;
+    return alike ? valueAt(baseline, path) : field.default;
   }
 
   /** Whether the value is not the preset's. */

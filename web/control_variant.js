@@ -25,7 +25,7 @@ export class VariantControl extends ChoiceControl {
       description: variants.map(({name, description}) => `${name}: ${description}`).join(' '),
       symbol: '', unit: '', equation: '', group: '', applies: '', source: '',
       minimum: -Infinity, maximum: Infinity, step: 1, log: false, odd: false, integer: false,
-      nullable: false, length: 1,
+      fraction: null, nullable: false, length: 1,
       options: variants.map(({name}) => name),
       default: variants[0].name,
     }, context);

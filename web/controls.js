@@ -149,7 +149,9 @@ class Tuning {
    */
   #touchedBy(patch) {
     const paths = leaves(patch).map(fieldPath);
-    return this.#controls.filter(({field}) => paths.includes(fieldPath(field.path)));
+    return this.#controls.filter(({fields}) => (
+      fields.some(({path}) => paths.includes(fieldPath(path)))
+    ));
   }
 
   /**
@@ -161,8 +163,27 @@ class Tuning {
     const asked = patch ? this.#touchedBy(patch) : [];
     const about = this.#controls.filter((control) => error.fields.some(within(control)));
     const places = asked.length ? asked : about;
-    if (!places.length) this.#tell(inOneLine(error), {error: true});
-    for (const control of places) control.refuse(wordsFor(control, error));
+    if (!places.length) this.#tell(this.#inOneLine(error), {error: true});
+    for (const control of places) {
+      const own = error.fields.filter(within(control));
+      const words = own.map(({message}) => message).join('; ');
+      control.refuse(words || this.#inOneLine(error));
+    }
+  }
+
+  /** @param {import('./api.js').ApiError} error */
+  #inOneLine({message, fields}) {
+    const named = fields.map((field) => `${this.#nameOf(field)}: ${field.message}`);
+    return named.join('; ') || message;
+  }
+
+  /**
+   * What it is called on the screen.
+   *
+   * @param {{path: string}} refused
+   */
+  #nameOf(refused) {
+    return this.#controls.find((control) => within(control)(refused))?.name ?? refused.path;
   }
 }
 
@@ -171,22 +192,10 @@ function detail(event) { return /** @type {CustomEvent} */ (event).detail; }
 
 /** @param {Control} control */
 function within(control) {
-  const own = fieldPath(control.field.path);
-  return (/** @type {{path: string}} */ {path}) => path === own || path.startsWith(`${own}.`);
-}
-
-/** @param {import('./api.js').ApiError} error */
-function inOneLine({message, fields}) {
-  return fields.length ? fields.map((field) => `${field.path}: ${field.message}`).join('; ') : message;
-}
-
-/**
- * @param {Control} control
- * @param {import('./api.js').ApiError} error
- */
-function wordsFor(control, error) {
-  const own = error.fields.filter(within(control));
-  return own.length ? own.map(({message}) => message).join('; ') : inOneLine(error);
+  const own = control.fields.map((field) => fieldPath(field.path));
+  return (/** @type {{path: string}} */ {path}) => (
+    own.some((one) => path === one || path.startsWith(`${one}.`))
+  );
 }
 
 /** @param {import('./api.js').Api} api */

@@ -25,6 +25,8 @@
  * @property {number} step
  * @property {boolean} log
  * @property {boolean} odd
+ * @property {{over: string, title: string, symbol: string, pairs: [number, number][]}|null} fraction
+ *   of which it is the numerator
  * @property {boolean} integer
  * @property {boolean} nullable null means off
  * @property {number} length of a vector or of the values per joint
@@ -190,6 +192,7 @@ function field(path, node, shapes) {
     step: node.step ?? 1,
     log: node.scale === 'log' && bounds.minimum > 0,
     odd: node.odd === true,
+    fraction: node.fraction ?? null,
     integer: shapes.some((shape) => shape.type === 'integer'),
     nullable: shapes.some((shape) => shape.type === 'null'),
     length: list?.maxItems ?? 1,

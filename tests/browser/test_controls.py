@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any
 
@@ -49,6 +50,70 @@ def until_gains(dashboard: Dashboard, lane: str, **wanted: Any) -> None:
 
 def revision(dashboard: Dashboard) -> int:
     return int(dashboard.client.get("/api/experiment").json()["revision"])
+
+
+def test_an_exponent_is_chosen_as_a_pair_in_one_edit(screen: Page, dashboard: Dashboard) -> None:
+    exponent = control(screen, f"lanes.{PROPOSED}.p")
+    expect(control(screen, f"lanes.{PROPOSED}.k")).to_have_count(0)
+    before = revision(dashboard)
+    listed = exponent.locator(".control-input > select")
+    expect(listed).to_have_accessible_name(re.compile("Exponent of the terminal term"))
+    listed.select_option("7/5 = 1.4")
+    until_gains(dashboard, PROPOSED, p=7.0, k=5.0)
+    assert revision(dashboard) == before + 1
+    expect(exponent.locator(".control-alert")).to_have_text("")
+    screen.get_by_role("button", name="Undo").click()
+    until_gains(dashboard, PROPOSED, p=5.0, k=3.0)
+    expect(listed).to_have_value("5/3")
+
+
+def test_any_other_exponent_is_typed_in_two_boxes_that_are_sent_together(
+    screen: Page, dashboard: Dashboard
+) -> None:
+    exponent = control(screen, f"lanes.{PROPOSED}.p")
+    listed = exponent.locator(".control-input > select")
+    listed.select_option("other …")
+    numerator, denominator = exponent.locator(".control-input .number-box").all()
+    expect(numerator).to_be_focused()
+    before = revision(dashboard)
+    numerator.fill("17")
+    screen.keyboard.press("Tab")
+    expect(denominator).to_be_focused()
+    denominator.fill("9")
+    screen.keyboard.press("Enter")
+    until_gains(dashboard, PROPOSED, p=17.0, k=9.0)
+    assert revision(dashboard) == before + 1
+    expect(listed).to_have_value("other")
+    expect(numerator).to_have_value("17")
+    denominator.fill("3")
+    screen.keyboard.press("Enter")
+    alert = exponent.locator(".control-alert")
+    expect(alert).to_contain_text("the exponent p/k must lie between 1 and 2, got 5.67")
+    expect(alert).to_contain_text("p = 7 with k = 5")
+    expect(alert).not_to_contain_text("lanes.")
+    expect(denominator).to_have_value("9")
+    listed.select_option("5/3 = 1.67")
+    until_gains(dashboard, PROPOSED, p=5.0, k=3.0)
+    expect(numerator).to_be_hidden()
+    expect(alert).to_have_text("")
+
+
+def test_one_joint_has_an_exponent_of_its_own(screen: Page, dashboard: Dashboard) -> None:
+    exponent = control(screen, f"lanes.{PROPOSED}.p")
+    exponent.locator(".disclosure").click()
+    exponent.locator(".joint-row").nth(1).locator("select").select_option("9/7 = 1.29")
+    until_gains(dashboard, PROPOSED, p=[5, 9, 5, 5, 5, 5], k=[3, 7, 3, 3, 3, 3])
+    listed = exponent.locator(".control-input > select")
+    expect(listed).to_have_value("several")
+    listed.select_option("5/3 = 1.67")
+    until_gains(dashboard, PROPOSED, p=5.0, k=3.0)
+
+
+def test_a_lone_numerator_is_refused_with_the_way_out(dashboard: Dashboard) -> None:
+    answer = dashboard.client.patch("/api/experiment", json={"lanes": {PROPOSED: {"p": 7}}})
+    assert answer.status_code == 422
+    message = answer.json()["error"]["fields"][0]["message"]
+    assert "send its numerator p and its denominator k together" in message
 
 
 def test_undo_in_a_number_box_takes_back_what_the_server_took(
