@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import time
 from typing import Any
@@ -114,6 +115,68 @@ def test_a_lone_numerator_is_refused_with_the_way_out(dashboard: Dashboard) -> N
     assert answer.status_code == 422
     message = answer.json()["error"]["fields"][0]["message"]
     assert "send its numerator p and its denominator k together" in message
+
+
+def test_six_shares_are_scaled_by_one_slider_and_keep_their_ratios(
+    page: Page, dashboard: Dashboard
+) -> None:
+    dashboard.client.post("/api/presets/chattering-sign/load").raise_for_status()
+    dashboard.client.post("/api/session/pause").raise_for_status()
+    screen = opened(page, dashboard)
+    k1 = control(screen, "lanes.sign.k1")
+    greatest = box(screen, "lanes.sign.k1")
+    expect(greatest).to_have_value("80")
+    greatest.fill("160")
+    screen.keyboard.press("Enter")
+    until_gains(dashboard, "sign", k1=[160, 160, 80, 16, 16, 16])
+    common = k1.locator(".control-input > .slider")
+    common.focus()
+    screen.keyboard.press("Home")
+    until_gains(dashboard, "sign", k1=[0] * 6)
+    screen.keyboard.press("End")
+    until_gains(dashboard, "sign", k1=[1000, 1000, 500, 100, 100, 100])
+    for _ in range(2):
+        screen.get_by_role("button", name="Undo").click()
+    until_gains(dashboard, "sign", k1=[160, 160, 80, 16, 16, 16])
+    k1.get_by_role("button", name="Make all alike").click()
+    until_gains(dashboard, "sign", k1=160.0)
+    expect(k1.get_by_role("button", name="Make all alike")).to_be_hidden()
+
+
+def test_a_share_at_its_bound_comes_back_within_one_drag(page: Page, dashboard: Dashboard) -> None:
+    width = [0.01, 1, 1, 1, 1, 10]
+    patch = {"lanes": {PROPOSED: {"epsilon": width}}}
+    dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
+    dashboard.client.post("/api/session/pause").raise_for_status()
+    screen = opened(page, dashboard)
+    common = control(screen, f"lanes.{PROPOSED}.epsilon").locator(".control-input > .slider")
+    track = common.bounding_box()
+    assert track is not None
+    middle = track["y"] + track["height"] / 2
+    screen.mouse.move(track["x"] + track["width"] - 8, middle)
+    screen.mouse.down()
+    screen.mouse.move(track["x"] - 20, middle, steps=5)
+    until_gains(dashboard, PROPOSED, epsilon=[1e-4] * 6)
+    screen.mouse.move(track["x"] + track["width"] + 20, middle, steps=5)
+    until_gains(dashboard, PROPOSED, epsilon=width)
+    screen.mouse.up()
+
+
+def test_a_strip_of_six_shares_keeps_their_proportion(page: Page, dashboard: Dashboard) -> None:
+    nu = [1.0, 2.0, 3.0, 4.0, 5.0, 10.0]
+    patch = {"simulation": {"horizon": 1.0}, "lanes": {PROPOSED: {"nu": nu}}}
+    dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
+    screen = opened(page, dashboard)
+    path = f"lanes.{PROPOSED}.nu"
+    control(screen, path).locator(".control-input > .slider").hover()
+    words = control(screen, path).locator(".control-input > .heat-words .heat-best")
+    expect(words).to_contain_text("best near", timeout=60_000)
+    body = {"lane": PROPOSED, "field": "nu", "count": 20}
+    answer = dashboard.client.post("/api/studies/strip", json=body, timeout=60)
+    rows = [json.loads(line) for line in answer.text.splitlines()]
+    for row in rows:
+        each = row["patch"]["lanes"][PROPOSED]["nu"]
+        assert each == pytest.approx([max(0.01, row["value"] * one / 10.0) for one in nu])
 
 
 def test_undo_in_a_number_box_takes_back_what_the_server_took(
