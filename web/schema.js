@@ -19,6 +19,7 @@
  * @property {string} equation
  * @property {string} group
  * @property {string} applies simulation mode that it belongs to, or ''
+ * @property {{[choice: string]: string[]}} needs options of its neighbours under which it acts
  * @property {string} source
  * @property {number} minimum
  * @property {number} maximum
@@ -186,6 +187,7 @@ function field(path, node, shapes) {
     equation: node.equation ?? '',
     group: node.group ?? '',
     applies: node.applies ?? '',
+    needs: node.needs ?? {},
     source: node.source ?? '',
     minimum: bounds.minimum,
     maximum: bounds.maximum,

@@ -222,3 +222,61 @@ def test_undo_while_typing_takes_back_only_what_is_typed(
     c.fill("7")
     c.press("Enter")
     until_gains(dashboard, PROPOSED, nu=3.0, c=7.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "choice", "option", "else_option"),
+    [
+        ("alpha", "reaching", "exponential", "power"),
+        ("k1", "reaching", "constant", "exponential"),
+        ("k2", "reaching", "power", "exponential"),
+        ("epsilon", "switching", "sign", "tanh"),
+    ],
+)
+def test_a_gain_without_effect_says_so_until_it_has_one(
+    dashboard: Dashboard, page: Page, name: str, choice: str, option: str, else_option: str
+) -> None:
+    gains = {choice: option}
+    dashboard.client.patch("/api/experiment", json={"lanes": {PROPOSED: gains}}).raise_for_status()
+    dashboard.client.post("/api/session/pause").raise_for_status()
+    screen = opened(page, dashboard)
+    idle = control(screen, f"lanes.{PROPOSED}.{name}")
+    expect(idle).to_have_class(re.compile("is-idle"))
+    expect(idle.locator(".control-note")).to_have_text(f"No effect under {option} {choice}")
+    expect(box(screen, f"lanes.{PROPOSED}.{name}")).to_have_accessible_description(
+        re.compile(f"No effect under {option} {choice}")
+    )
+    control(screen, f"lanes.{PROPOSED}.{choice}").get_by_text(else_option, exact=True).click()
+    expect(idle).not_to_have_class(re.compile("is-idle"))
+    expect(idle.locator(".control-note")).to_be_hidden()
+
+
+def test_a_remark_follows_its_slider_during_a_drag(page: Page, dashboard: Dashboard) -> None:
+    screen = opened(page, dashboard)
+    path = f"lanes.{PROPOSED}.nu"
+    remark = control(screen, path).locator(".guard")
+    expect(remark).to_contain_text("c/ν = 33.3 s")
+    other = control(screen, f"lanes.{PROPOSED}.mu")
+    place = other.bounding_box()
+    track = control(screen, path).locator(".control-input > .slider").bounding_box()
+    assert track is not None
+    middle = track["y"] + track["height"] / 2
+    screen.mouse.move(track["x"] + track["width"] * 0.37, middle)
+    screen.mouse.down()
+    screen.mouse.move(track["x"] + track["width"] * 0.2, middle, steps=4)
+    nu = box(screen, path)
+    expect(nu).not_to_have_value("0.3")
+    constant = f"{10.0 / float(nu.input_value()):.3g}"
+    expect(remark).to_contain_text(f"c/ν = {constant} s")
+    assert other.bounding_box() == place
+    screen.mouse.move(track["x"] + track["width"] * 0.9, middle, steps=4)
+    expect(remark).to_be_hidden()
+    assert other.bounding_box() == place
+    screen.mouse.up()
+    expect(remark).to_have_count(0)
+
+
+def test_the_disturbances_symbols_are_told_apart_by_words(screen: Page) -> None:
+    for name in ("sine", "pulse", "noise"):
+        row = control(screen, f"disturbance.{name}.amplitude")
+        expect(row.locator(".symbol sub")).to_have_text(name)
