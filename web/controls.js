@@ -1,13 +1,12 @@
 // @ts-check
 /** The left column: what the experiment is, its lanes, and a control for every number. */
 
+import {mountAbout} from './about.js';
 import {element, withIndices} from './element.js';
 import {fieldPath} from './field_path.js';
-import {icon} from './icons.js';
 import {Knobs} from './knobs.js';
 import {mount as mountLanes} from './lanes.js';
 import {leaves} from './merge_patch.js';
-import {rememberOpen} from './remembered.js';
 import {Schema} from './schema.js';
 import {Group, SectionGroup} from './section.js';
 
@@ -197,26 +196,3 @@ function within(control) {
     own.some((one) => path === one || path.startsWith(`${one}.`))
   );
 }
-
-/** @param {import('./api.js').Api} api */
-function mountAbout(api) {
-  const title = element('span', {});
-  const text = element('p', {class: 'about-text', tabindex: 0, role: 'note', 'aria-label': 'What to look at'});
-  const box = element('details', {class: 'about'},
-    element('summary', {}, icon('chevron'), title), text);
-  rememberOpen(box, 'about', true);
-  const show = () => {
-    title.textContent = api.experiment.title || api.preset || 'Untitled experiment';
-    text.textContent = asParagraphs(api.experiment.description) || 'No description.';
-  };
-  api.addEventListener('hello', show);
-  api.addEventListener('patch', show);
-  return box;
-}
-
-/**
- * Lines broken for a file's width flow together again; empty lines stay.
- *
- * @param {string} text
- */
-function asParagraphs(text) { return text.trim().replace(/(?<!\n)\n(?![\n*-])/g, ' '); }
