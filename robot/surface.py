@@ -103,9 +103,10 @@ class NftsmSurface(Section):
 
     @model_validator(mode="after")
     def _exponent_between_one_and_two(self) -> NftsmSurface:
-        ratio = np.divide(self.p, self.k)
-        if not np.all((ratio > 1.0) & (ratio < 2.0)):
-            shown = ", ".join(f"{value:.3g}" for value in np.unique(ratio))
+        ratio = np.atleast_1d(np.divide(self.p, self.k))
+        wrong = ratio[(ratio <= 1.0) | (ratio >= 2.0)]
+        if wrong.size:
+            shown = ", ".join(f"{value:.3g}" for value in np.unique(wrong))
             text = (
                 f"the exponent p/k must lie between 1 and 2, got {shown}; send its numerator p "
                 "and its denominator k together, such as p = 7 with k = 5"
