@@ -51,7 +51,7 @@ class SineTorque(Section):
     amplitude: PerJoint = field(
         0.0,
         title="Amplitude",
-        symbol="F̃",
+        symbol="F_sine",
         unit="N·m",
         low=-200.0,
         high=200.0,
@@ -86,7 +86,7 @@ class PulseTorque(Section):
     amplitude: PerJoint = field(
         0.0,
         title="Height",
-        symbol="F̂",
+        symbol="F_pulse",
         unit="N·m",
         low=-200.0,
         high=200.0,
@@ -123,7 +123,7 @@ class NoiseTorque(Section):
     amplitude: PerJoint = field(
         0.0,
         title="Effective value",
-        symbol="F̄",
+        symbol="F_noise",
         unit="N·m",
         low=0.0,
         high=100.0,

@@ -7,7 +7,7 @@ JSON Schema, and ``Section`` refuses what lies outside it.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypedDict
 
 from pydantic import (
     BaseModel,
@@ -28,6 +28,23 @@ JOINTS = 6
 
 Scale = Literal["linear", "log"]
 Source = Literal["published", "corrected", "vendor", "inferred", "ours"]
+
+
+class Fraction(TypedDict):
+    """How a field and another one are chosen together, as a fraction.
+
+    Attributes:
+        over: name of the field that is the denominator.
+        title: the fraction's name in words.
+        symbol: its sign.
+        pairs: numerators and denominators to offer.
+    """
+
+    over: str
+    title: str
+    symbol: str
+    pairs: list[tuple[int, int]]
+
 
 _NUMBER: dict[str, Any] = {"type": "number"}
 _SIX: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": JOINTS, "maxItems": JOINTS}
@@ -147,9 +164,11 @@ def field(
     step: float | None = None,
     scale: Scale = "linear",
     odd: bool = False,
+    fraction: Fraction | None = None,
     equation: str = "",
     group: str = "",
     applies: str = "",
+    needs: dict[str, tuple[str, ...]] | None = None,
     source: Source = "ours",
 ) -> Any:
     """Describe one value of an experiment, once, for the schema, the slider and the validation.
@@ -165,9 +184,12 @@ def field(
         step: step of the slider and of the arrow keys.
         scale: whether a slider runs linearly or logarithmically.
         odd: whether only odd whole numbers are permitted.
+        fraction: the fraction of which this is the numerator.
         equation: where it stands, such as ``Eq. 5``.
         group: heading under which the screen shows it.
         applies: the simulation mode in which it acts, empty for both.
+        needs: by the name of a choice in the same section, the options under which it acts; it
+            has no effect under the others.
         source: where the default comes from.
 
     Returns:
@@ -179,9 +201,11 @@ def field(
         "step": step,
         "scale": scale,
         "odd": odd or None,
+        "fraction": fraction,
         "equation": equation,
         "group": group,
         "applies": applies,
+        "needs": needs,
         "source": source,
         "minimum": low,
         "maximum": high,

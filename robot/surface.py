@@ -5,6 +5,8 @@ e = q_d - q and de = v_d - v, everywhere in this project.
 
 from __future__ import annotations
 
+from math import gcd
+
 import numpy as np
 from pydantic import model_validator
 
@@ -17,6 +19,11 @@ Array = np.ndarray
 NU, C, MU, RATIO = range(4)
 NFTSM_ROWS = 4
 LINEAR_ROWS = 1
+
+EXPONENTS = [
+    (p, k) for p in range(5, 15, 2) for k in range(3, p, 2) if p < 2 * k and gcd(p, k) == 1
+]
+"""Exponents p/k to choose from (*ours*; 5/3 is *published*)."""
 
 
 class NftsmSurface(Section):
@@ -69,6 +76,12 @@ class NftsmSurface(Section):
         high=99.0,
         step=2.0,
         odd=True,
+        fraction={
+            "over": "k",
+            "title": "Exponent of the terminal term",
+            "symbol": "p/k",
+            "pairs": EXPONENTS,
+        },
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
@@ -90,10 +103,14 @@ class NftsmSurface(Section):
 
     @model_validator(mode="after")
     def _exponent_between_one_and_two(self) -> NftsmSurface:
-        ratio = np.divide(self.p, self.k)
-        if not np.all((ratio > 1.0) & (ratio < 2.0)):
-            shown = ", ".join(f"{value:.3g}" for value in np.unique(ratio))
-            text = f"p/k must lie between 1 and 2 (such as 5/3 or 7/5), got {shown}"
+        ratio = np.atleast_1d(np.divide(self.p, self.k))
+        wrong = ratio[(ratio <= 1.0) | (ratio >= 2.0)]
+        if wrong.size:
+            shown = ", ".join(f"{value:.3g}" for value in np.unique(wrong))
+            text = (
+                f"the exponent p/k must lie between 1 and 2, got {shown}; send its numerator p "
+                "and its denominator k together, such as p = 7 with k = 5"
+            )
             raise refusal("p", self.p, text)
         return self
 

@@ -47,6 +47,7 @@ class ReachingGains(Section):
         step=1.0,
         equation="Eq. 13",
         group="Reaching",
+        needs={"reaching": ("exponential", "power")},
         source="published",
         meaning="Torque per unit of the sliding variable: how hard the loop is drawn to S = 0.",
     )
@@ -60,6 +61,7 @@ class ReachingGains(Section):
         step=1.0,
         equation="Eq. 13",
         group="Reaching",
+        needs={"reaching": ("exponential", "constant")},
         source="published",
         meaning="Greatest torque of the switching term: what it can hold against a disturbance.",
     )
@@ -74,6 +76,7 @@ class ReachingGains(Section):
         scale="log",
         equation="Eq. 13",
         group="Reaching",
+        needs={"switching": ("tanh", "saturation")},
         source="published",
         meaning="Width over which tanh and saturation pass from -1 to 1; sign ignores it.",
     )
@@ -105,6 +108,7 @@ class ReachingGains(Section):
         step=0.05,
         equation="Eq. 12",
         group="Reaching",
+        needs={"reaching": ("power",)},
         meaning="Exponent of the power reaching law; the other two ignore it.",
     )
 

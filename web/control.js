@@ -28,7 +28,8 @@ export class Control {
   #dot;
   #note = element('span', {class: 'control-note'});
   #alert = element('p', {class: 'control-alert', role: 'alert'});
-  /** What was shown last: value, baseline, mode. */
+  #meaning;
+  /** What was shown last: value, baseline, why it has no effect. */
   /** @type {any[]} */ #last = [];
 
   /**
@@ -43,12 +44,12 @@ export class Control {
     this.#dot = element('button', {
       class: 'control-dot', type: 'button', on: {click: () => this.reset()},
     });
-    const meaning = [field.description, ...facts(field).map((fact) => fact.join(': '))].join('. ');
+    this.#meaning = element('span', {id: this.describedBy, hidden: true});
     const name = element('div', {class: 'control-name'}, this.label, this.beside);
     this.element = element(
       'div', {class: `control is-${field.kind}`, 'data-path': fieldPath(field.path)},
       this.#dot, name, this.place, this.#note, this.#alert,
-      element('span', {id: this.describedBy, hidden: true}, meaning),
+      this.#meaning,
     );
     attachTooltip(this.element, this.label, field);
   }
@@ -56,17 +57,32 @@ export class Control {
   /** Name for people who hear the screen. */
   get name() { return this.field.title; }
 
+  /** The fields that it sets. */
+  get fields() { return [this.field]; }
+
   /** The server's value. */
-  get current() { return valueAt(this.#context.api.experiment, this.field.path); }
+  get current() { return this.currentOf(this.field); }
 
   /** The value in the loaded preset; in a lane that it doesn't have, the law's own default. */
-  get baseline() {
-    const {path} = this.field;
+  get baseline() { return this.baselineOf(this.field); }
+
+  /**
+   * @protected
+   * @param {Field} field
+   */
+  currentOf({path}) { return valueAt(this.#context.api.experiment, path); }
+
+  /**
+   * @protected
+   * @param {Field} field
+   */
+  baselineOf(field) {
+    const {path} = field;
     const {baseline, experiment} = this.#context.api;
     const above = path.slice(0, -1);
     const [was, is] = [valueAt(baseline, above), valueAt(experiment, above)];
     const alike = was && was.law === is?.law && was.kind === is?.kind;
-    return alike ? valueAt(baseline, path) : this.field.default;
+    return alike ? valueAt(baseline, path) : field.default;
   }
 
   /** Whether the value is not the preset's. */
@@ -81,17 +97,21 @@ export class Control {
   refresh({flash = false, force = false} = {}) {
     const {current, baseline} = this;
     if (current === undefined) return;
-    const now = [current, baseline, this.#context.api.experiment.simulation.mode];
+    const idle = this.#idle;
+    const now = [current, baseline, idle];
     if (!force && same(now, this.#last)) return;
     if (flash && !same(current, this.#last[0]) && !this.held) this.#flash();
     this.#last = now;
     this.show(current, baseline);
     this.element.classList.toggle('is-changed', this.differs);
-    const text = `Back to ${this.inText(baseline)}`;
-    this.#dot.setAttribute('aria-label', `${this.name}: ${text.toLowerCase()}`);
-    this.#dot.title = text;
+    const value = this.inText(baseline);
+    this.#dot.setAttribute('aria-label', `${this.name}: back to ${value}`);
+    this.#dot.title = `Back to ${value}`;
     this.#dot.disabled = !this.differs;
-    this.#applies();
+    this.element.classList.toggle('is-idle', idle !== '');
+    this.#note.textContent = idle;
+    const told = facts(this.field).map((fact) => fact.join(': '));
+    this.#meaning.textContent = [idle, this.field.description, ...told].filter(Boolean).join('. ');
   }
 
   /**
@@ -183,12 +203,16 @@ export class Control {
     return section === 'lanes' ? `${this.field.title} of ${lane}` : this.field.title;
   }
 
-  #applies() {
-    const {applies} = this.field;
-    const {mode} = this.#context.api.experiment.simulation;
-    const idle = applies !== '' && applies !== mode;
-    this.element.classList.toggle('is-idle', idle);
-    this.#note.textContent = idle ? `Acts in ${applies} mode only` : '';
+  /** Why it has no effect as things stand, or ''. */
+  get #idle() {
+    const {applies, needs, path} = this.field;
+    const {experiment} = this.#context.api;
+    if (applies && applies !== experiment.simulation.mode) return `Acts in ${applies} mode only`;
+    const beside = valueAt(experiment, path.slice(0, -1)) ?? {};
+    const [choice] = Object.entries(needs).find(([key, options]) => (
+      key in beside && !options.includes(beside[key])
+    )) ?? [];
+    return choice ? `No effect under ${beside[choice]} ${choice}` : '';
   }
 
   #flash() {

@@ -5,6 +5,7 @@ import {Control, disclosure} from './control.js';
 import {element} from './element.js';
 import {NumberPair} from './number_pair.js';
 import {written} from './quantity.js';
+import {greatest, scaled} from './shares.js';
 
 /** @typedef {import('./schema.js').Field} Field */
 
@@ -15,11 +16,14 @@ export class JointsControl extends Control {
   #all;
   /** @type {NumberPair[]} */ #each;
   #values = element('span', {class: 'joint-values'});
+  #summary = element('div', {class: 'joint-summary'});
   #unit = element('span', {class: 'unit'});
   #merge;
   #switch;
   #open;
   /** @type {any} the last value that was not off */ #on;
+  /** @type {number[]|null} what a common factor is applied to; null where there is one for all */
+  #shares = null;
 
   /**
    * @param {Field} field
@@ -28,25 +32,28 @@ export class JointsControl extends Control {
   constructor(field, context) {
     super(field, context);
     const names = field.length === 3 ? ['x', 'y', 'z'] : numbered(field.length);
-    this.#all = this.#pair(this.name, (value) => value, this.id);
+    this.#all = this.#pair(this.name, (value) => (
+      this.#shares ? scaled(this.#shares, value, this.field) : value
+    ), this.id);
     this.#each = names.map((name, index) => this.#pair(`${this.name}, ${name}`, (value) => (
       this.#each.map((pair, at) => (at === index ? value : pair.value))
     )));
     this.#merge = element('button', {
       class: 'button small', type: 'button', on: {click: () => this.set(this.#each[0].value)},
-    }, 'All joints as J1');
+    }, 'Make all alike');
     this.#switch = element('input', {
       type: 'checkbox', role: 'switch', class: 'switch', 'aria-label': `${this.name}, on`,
       on: {change: () => this.set(this.#switch.checked ? this.#on ?? field.maximum : null)},
     });
     const list = element('div', {class: 'joint-list', role: 'group', 'aria-label': this.name});
     this.#each.forEach((pair, index) => list.append(row(names[index], index, pair)));
-    list.append(this.#merge);
     const {button, open} = disclosure(`${this.name}: each ${this.#part}`, list);
     this.#open = open;
+    if (field.kind !== 'vector') this.#summary.append(this.#values, this.#merge);
     this.beside.append(this.#switch, this.#unit);
-    this.place.append(this.#all.slider, this.#all.box, this.#values, button);
-    this.element.append(list);
+    const vector = field.kind === 'vector';
+    this.place.append(this.#all.slider, this.#all.box, ...(vector ? [this.#values] : []), button);
+    this.element.append(this.#summary, list);
   }
 
   get held() { return [this.#all, ...this.#each].some((pair) => pair.held); }
@@ -65,7 +72,25 @@ export class JointsControl extends Control {
     this.#each.forEach((pair, index) => {
       pair.set(at(value, index, this.field), at(baseline, index, this.field));
     });
-    if (!mixed) this.#all.set(at(value, 0, this.field), at(baseline, 0, this.field));
+    this.#showAll(mixed ? value : null, value, baseline);
+  }
+
+  /**
+   * What all joints have, or the greatest share, to which the others keep their proportion.
+   *
+   * @param {number[]|null} shares
+   * @param {number|number[]|null} value
+   * @param {number|number[]|null} baseline
+   */
+  #showAll(shares, value, baseline) {
+    // From what a drag began with: what met its bound on the way comes back from there, and so do
+    // all from 0.
+    if (!this.held && (!shares || !this.#shares || greatest(shares))) this.#shares = shares;
+    const index = shares ? this.#shares?.indexOf(greatest(this.#shares)) ?? 0 : 0;
+    this.#all.set(at(value, index, this.field), at(baseline, index, this.field));
+    const words = shares ? 'The greatest of them; the others keep their proportion to it' : '';
+    this.#all.box.title = words;
+    this.#all.slider.title = words;
   }
 
   /**
@@ -75,12 +100,14 @@ export class JointsControl extends Control {
   #shape(off, mixed) {
     this.#switch.hidden = !this.field.nullable;
     this.#switch.checked = !off;
-    this.#all.slider.hidden = off || mixed;
-    this.#all.box.hidden = off || mixed;
+    const common = !off && !(mixed && this.field.kind === 'vector');
+    this.#all.slider.hidden = !common;
+    this.#all.box.hidden = !common;
+    this.#summary.hidden = !mixed || this.field.kind === 'vector';
     this.#values.hidden = !mixed;
     this.#values.textContent = mixed ? shortened(this.current) : '';
     this.#unit.textContent = off ? '' : this.field.unit;
-    this.#merge.hidden = !mixed || this.field.kind === 'vector';
+    this.#merge.title = mixed ? `All joints as J1: ${this.inText(this.current[0])}` : '';
     if (off) this.#open(false);
   }
 

@@ -23,9 +23,9 @@ export class VariantControl extends ChoiceControl {
       path: [...section.path, tag],
       title: inWords(tag),
       description: variants.map(({name, description}) => `${name}: ${description}`).join(' '),
-      symbol: '', unit: '', equation: '', group: '', applies: '', source: '',
+      symbol: '', unit: '', equation: '', group: '', applies: '', needs: {}, source: '',
       minimum: -Infinity, maximum: Infinity, step: 1, log: false, odd: false, integer: false,
-      nullable: false, length: 1,
+      fraction: null, nullable: false, length: 1,
       options: variants.map(({name}) => name),
       default: variants[0].name,
     }, context);

@@ -1,13 +1,12 @@
 // @ts-check
 /** The left column: what the experiment is, its lanes, and a control for every number. */
 
+import {mountAbout} from './about.js';
 import {element, withIndices} from './element.js';
 import {fieldPath} from './field_path.js';
-import {icon} from './icons.js';
 import {Knobs} from './knobs.js';
 import {mount as mountLanes} from './lanes.js';
 import {leaves} from './merge_patch.js';
-import {rememberOpen} from './remembered.js';
 import {Schema} from './schema.js';
 import {Group, SectionGroup} from './section.js';
 
@@ -149,7 +148,9 @@ class Tuning {
    */
   #touchedBy(patch) {
     const paths = leaves(patch).map(fieldPath);
-    return this.#controls.filter(({field}) => paths.includes(fieldPath(field.path)));
+    return this.#controls.filter(({fields}) => (
+      fields.some(({path}) => paths.includes(fieldPath(path)))
+    ));
   }
 
   /**
@@ -161,8 +162,27 @@ class Tuning {
     const asked = patch ? this.#touchedBy(patch) : [];
     const about = this.#controls.filter((control) => error.fields.some(within(control)));
     const places = asked.length ? asked : about;
-    if (!places.length) this.#tell(inOneLine(error), {error: true});
-    for (const control of places) control.refuse(wordsFor(control, error));
+    if (!places.length) this.#tell(this.#inOneLine(error), {error: true});
+    for (const control of places) {
+      const own = error.fields.filter(within(control));
+      const words = own.map(({message}) => message).join('; ');
+      control.refuse(words || this.#inOneLine(error));
+    }
+  }
+
+  /** @param {import('./api.js').ApiError} error */
+  #inOneLine({message, fields}) {
+    const named = fields.map((field) => `${this.#nameOf(field)}: ${field.message}`);
+    return named.join('; ') || message;
+  }
+
+  /**
+   * What it is called on the screen.
+   *
+   * @param {{path: string}} refused
+   */
+  #nameOf(refused) {
+    return this.#controls.find((control) => within(control)(refused))?.name ?? refused.path;
   }
 }
 
@@ -171,43 +191,8 @@ function detail(event) { return /** @type {CustomEvent} */ (event).detail; }
 
 /** @param {Control} control */
 function within(control) {
-  const own = fieldPath(control.field.path);
-  return (/** @type {{path: string}} */ {path}) => path === own || path.startsWith(`${own}.`);
+  const own = control.fields.map((field) => fieldPath(field.path));
+  return (/** @type {{path: string}} */ {path}) => (
+    own.some((one) => path === one || path.startsWith(`${one}.`))
+  );
 }
-
-/** @param {import('./api.js').ApiError} error */
-function inOneLine({message, fields}) {
-  return fields.length ? fields.map((field) => `${field.path}: ${field.message}`).join('; ') : message;
-}
-
-/**
- * @param {Control} control
- * @param {import('./api.js').ApiError} error
- */
-function wordsFor(control, error) {
-  const own = error.fields.filter(within(control));
-  return own.length ? own.map(({message}) => message).join('; ') : inOneLine(error);
-}
-
-/** @param {import('./api.js').Api} api */
-function mountAbout(api) {
-  const title = element('span', {});
-  const text = element('p', {class: 'about-text', tabindex: 0, role: 'note', 'aria-label': 'What to look at'});
-  const box = element('details', {class: 'about'},
-    element('summary', {}, icon('chevron'), title), text);
-  rememberOpen(box, 'about', true);
-  const show = () => {
-    title.textContent = api.experiment.title || api.preset || 'Untitled experiment';
-    text.textContent = asParagraphs(api.experiment.description) || 'No description.';
-  };
-  api.addEventListener('hello', show);
-  api.addEventListener('patch', show);
-  return box;
-}
-
-/**
- * Lines broken for a file's width flow together again; empty lines stay.
- *
- * @param {string} text
- */
-function asParagraphs(text) { return text.trim().replace(/(?<!\n)\n(?![\n*-])/g, ' '); }

@@ -27,7 +27,10 @@ export function mountGuard(column, desk) { new Guard(column, desk); }
 class Guard {
   #column;
   #desk;
-  /** @type {Map<string, HTMLElement>} lines by what they say */ #lines = new Map();
+  /** @type {Map<string, {remark: Remark, line: HTMLElement}>} by what they said at first */
+  #lines = new Map();
+  /** Whether lines have followed a drag since. */
+  #followed = false;
 
   /**
    * @param {HTMLElement} column
@@ -46,21 +49,50 @@ class Guard {
 
   #show() {
     const {api} = this.#desk;
-    // Nothing may move under the hand that drags a slider.
-    if (api.moving) return;
+    const remarks = remarksOf(api);
+    if (api.moving) { this.#follow(remarks); return; }
+    if (this.#followed) this.#clear();
     const kept = new Map();
-    for (const remark of remarksOf(api)) {
+    for (const remark of remarks) {
       const place = this.#placeOf(remark.path);
       if (!place) continue;
       const key = JSON.stringify([remark, api.selected]);
-      const line = this.#lines.get(key) ?? this.#line(remark);
+      const line = this.#lines.get(key)?.line ?? this.#line(remark);
       if (line.parentElement !== place) place.append(line);
-      kept.set(key, line);
+      kept.set(key, {remark, line});
     }
-    for (const [key, line] of this.#lines) if (!kept.has(key)) line.remove();
+    for (const [key, {line}] of this.#lines) if (!kept.has(key)) line.remove();
     this.#lines = kept;
     this.#markGroups();
     this.#markLanes();
+  }
+
+  /**
+   * Nothing may move under the hand that drags a slider: what stands there says in its own place
+   * what is true by now.
+   *
+   * @param {Remark[]} remarks
+   */
+  #follow(remarks) {
+    const left = [...remarks];
+    for (const entry of this.#lines.values()) {
+      const {remark: {path, level}, line} = entry;
+      const index = left.findIndex((one) => one.path === path && one.level === level);
+      const [remark] = index < 0 ? [] : left.splice(index, 1);
+      line.style.minHeight = `${line.getBoundingClientRect().height}px`;
+      line.style.visibility = remark ? '' : 'hidden';
+      if (remark && remark.message !== entry.remark.message) {
+        line.replaceChildren(...this.#line(remark).childNodes);
+        entry.remark = remark;
+      }
+    }
+    this.#followed = true;
+  }
+
+  #clear() {
+    for (const {line} of this.#lines.values()) line.remove();
+    this.#lines.clear();
+    this.#followed = false;
   }
 
   /**

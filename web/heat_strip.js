@@ -2,6 +2,7 @@
 /** Which slider shows what lies along its track, and the short runs that it takes. */
 
 import {COUNT, Strip} from './heat_strip_view.js';
+import {greatest} from './shares.js';
 
 /** @typedef {import('./schema.js').Field} Field */
 /** @typedef {import('./study_metric.js').StudyRow} StudyRow */
@@ -174,7 +175,7 @@ class HeatStrips {
 
   /**
    * Everything that a strip depends on: the lane but for the gain itself, and the world. Of one
-   * joint's share also the other joints'.
+   * joint's share also the other joints', of all joints' their proportions.
    *
    * @param {Field} field
    * @param {number|null} joint
@@ -185,7 +186,8 @@ class HeatStrips {
     const each = Array.from({length}, (_, index) => (
       joint === index + 1 ? 0 : gains[name][index] ?? gains[name]
     ));
-    return JSON.stringify([lane, name, joint, {...gains, [name]: joint ? each : 0}, world]);
+    const rest = joint ? each : proportions(gains[name]);
+    return JSON.stringify([lane, name, joint, {...gains, [name]: rest}, world]);
   }
 }
 
@@ -205,4 +207,14 @@ function sliderOf(target) {
  */
 function jointOf(slider) {
   return Number(slider.closest('.joint-row')?.getAttribute('data-joint')) || null;
+}
+
+/**
+ * @param {number|number[]} value
+ * @returns {number[]} shares of the greatest; none where there is one for all joints
+ */
+function proportions(value) {
+  if (!Array.isArray(value)) return [];
+  const most = greatest(value);
+  return value.map((one) => Number((one / (most || 1)).toPrecision(4)));
 }

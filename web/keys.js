@@ -40,6 +40,23 @@ export function isTyping(target) {
 }
 
 /**
+ * @param {KeyboardEvent} event
+ * @returns {boolean} whether it asks for undo or redo
+ */
+export function isTravel({key, ctrlKey, metaKey, altKey}) {
+  return (ctrlKey || metaKey) && !altKey && /^[yz]$/i.test(key);
+}
+
+/**
+ * A number box takes back itself what is typed in it; what it took before is the page's to undo.
+ *
+ * @param {KeyboardEvent} event
+ */
+function isBoxTravel(event) {
+  return isTravel(event) && isElement(event.target) && event.target.matches('.number-box');
+}
+
+/**
  * By its look: an element of the scene's frame is an instance of that frame's classes.
  *
  * @param {EventTarget|null} target
@@ -95,7 +112,7 @@ export function keyHandler(api, history) {
   return (event) => {
     const {key, target} = event;
     if (event.defaultPrevented || document.querySelector('dialog[open], .menu:popover-open')) return;
-    if (isTyping(target) || !isKeyAllowed(key) || (event.repeat && !REPEATED.has(key))) return;
+    if ((isTyping(target) && !isBoxTravel(event)) || !isKeyAllowed(key) || (event.repeat && !REPEATED.has(key))) return;
     const action = event.ctrlKey || event.metaKey
       ? travel(event, history)
       : !event.altKey && (joint(key, api) ?? chosen(actions, key));

@@ -15,6 +15,7 @@ import {Presets} from './presets.js';
 import {mount as mountRightPanel} from './right_panel.js';
 import {mount as mountScene} from './scene.js';
 import {mountScrub} from './scrub.js';
+import {mountSkipLinks} from './skip_links.js';
 import {mountSplitters} from './splitters.js';
 import {mountBanner} from './status.js';
 import {mountTabs} from './tabs.js';
@@ -33,6 +34,7 @@ const presets = new Presets(api, history, tell);
 const pressed = keyHandler(api, history);
 const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics')};
 
+mountSkipLinks(part('skip'), part('workspace'));
 mountHeader(part('header'), api, history, presets, mountImport(api, history, tell));
 mountBanner(part('banner'), api);
 mountControls(parts.tune, api, history, tell);

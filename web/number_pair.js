@@ -2,6 +2,7 @@
 /** A slider and a number box that hold one value. */
 
 import {element} from './element.js';
+import {isTravel} from './keys.js';
 import {POSITIONS, fitting, fraction, read, valueAlong, written} from './quantity.js';
 
 /**
@@ -115,7 +116,11 @@ export class NumberPair {
   #boxEvents() {
     return {
       focus: () => this.box.select(),
-      input: () => { this.#typed = true; },
+      input: (/** @type {InputEvent} */ {inputType}) => {
+        // The browser's own memory of the box knows nothing of what was taken meanwhile.
+        if (inputType.startsWith('history')) this.#forget();
+        else this.#typed = true;
+      },
       keydown: (/** @type {KeyboardEvent} */ event) => this.#boxKey(event),
       keyup: () => this.#endKeyed(),
       blur: () => { this.#endKeyed(); this.#accept(); },
@@ -146,6 +151,11 @@ export class NumberPair {
   /** @param {KeyboardEvent} event */
   #boxKey(event) {
     const steps = ARROWS.get(event.key);
+    // With nothing typed the key is the page's undo.
+    if (isTravel(event) && this.#typed) {
+      event.preventDefault();
+      this.#forget();
+    }
     if (event.key === 'Enter') this.#accept();
     if (event.key === 'Escape') this.#forget();
     if (steps === undefined) return;

@@ -43,7 +43,7 @@ export class PlotLegend {
     return element(
       'button', {
         type: 'button', class: selected ? 'plots-lane is-selected' : 'plots-lane',
-        'aria-pressed': visible, title: frozen ?? `${visible ? 'Hide' : 'Show'} ${name}`,
+        'aria-pressed': String(visible), title: frozen ?? `${visible ? 'Hide' : 'Show'} ${name}`,
         on: {click: () => this.#toggle(name)},
       },
       dot, element('span', {class: 'plots-lane-name'}, name),

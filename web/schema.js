@@ -19,12 +19,15 @@
  * @property {string} equation
  * @property {string} group
  * @property {string} applies simulation mode that it belongs to, or ''
+ * @property {{[choice: string]: string[]}} needs options of its neighbours under which it acts
  * @property {string} source
  * @property {number} minimum
  * @property {number} maximum
  * @property {number} step
  * @property {boolean} log
  * @property {boolean} odd
+ * @property {{over: string, title: string, symbol: string, pairs: [number, number][]}|null} fraction
+ *   of which it is the numerator
  * @property {boolean} integer
  * @property {boolean} nullable null means off
  * @property {number} length of a vector or of the values per joint
@@ -184,12 +187,14 @@ function field(path, node, shapes) {
     equation: node.equation ?? '',
     group: node.group ?? '',
     applies: node.applies ?? '',
+    needs: node.needs ?? {},
     source: node.source ?? '',
     minimum: bounds.minimum,
     maximum: bounds.maximum,
     step: node.step ?? 1,
     log: node.scale === 'log' && bounds.minimum > 0,
     odd: node.odd === true,
+    fraction: node.fraction ?? null,
     integer: shapes.some((shape) => shape.type === 'integer'),
     nullable: shapes.some((shape) => shape.type === 'null'),
     length: list?.maxItems ?? 1,

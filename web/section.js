@@ -3,6 +3,7 @@
 
 import {ChoiceControl} from './control_choice.js';
 import {ConstantControl} from './control_constant.js';
+import {FractionControl} from './control_fraction.js';
 import {JointsControl} from './control_joints.js';
 import {NumberControl} from './control_number.js';
 import {SwitchControl} from './control_switch.js';
@@ -37,6 +38,26 @@ function controlFor(field, context) {
   return new Kind(field, context);
 }
 
+/**
+ * One control a field; a numerator and its denominator share one.
+ *
+ * @param {readonly Field[]} fields
+ * @param {Context} context
+ * @returns {Control[]}
+ */
+function controlsFor(fields, context) {
+  const byKey = new Map(fields.map((field) => [field.path[field.path.length - 1], field]));
+  const pairs = fields.flatMap((field) => {
+    const below = field.fraction && byKey.get(field.fraction.over);
+    return below ? [{field, below}] : [];
+  });
+  const shared = new Set(pairs.map(({below}) => below));
+  return fields.filter((field) => !shared.has(field)).map((field) => {
+    const below = pairs.find((pair) => pair.field === field)?.below;
+    return below ? new FractionControl(field, below, context) : controlFor(field, context);
+  });
+}
+
 /** A foldable heading that says how many of its values differ from the preset. */
 export class Group {
   element;
@@ -60,11 +81,9 @@ export class Group {
    * @param {Context} context
    */
   add(fields, context) {
-    for (const field of fields) {
-      const control = controlFor(field, context);
-      this.controls.push(control);
-      this.body.append(control.element);
-    }
+    const controls = controlsFor(fields, context);
+    this.controls.push(...controls);
+    this.body.append(...controls.map((control) => control.element));
   }
 
   /** @param {{flash?: boolean}} [options] */

@@ -56,6 +56,16 @@ class Knob:
         each[joint - 1] = value
         return [float(share) for share in each]
 
+    def at_all(self, value: float) -> float | list[float]:
+        """Return the value with the greatest share set to this and the others in proportion.
+
+        One number for all joints is just replaced; so are six that are all 0.
+        """
+        if not isinstance(self.value, tuple):
+            return value
+        greatest = max(self.value, key=abs)
+        return self.scaled(value / greatest) if greatest else value
+
     def positions(self, count: int = COUNT) -> Array:
         """Return values along the slider's track, both ends included. Shape (count,)."""
         if self.logarithmic:

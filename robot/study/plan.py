@@ -49,7 +49,9 @@ def strip(
         lane: whose knob.
         name: its field.
         count: how many positions.
-        joint: turn the share of this joint alone, 1 to 6; without it that of all joints alike.
+        joint: turn the share of this joint alone, 1 to 6. Without it all joints' are
+            turned; where they differ the value is the greatest one's, the others stay in
+            proportion.
 
     Raises:
         InvalidExperimentError: if there is no such lane or knob.
@@ -57,7 +59,7 @@ def strip(
     turned = knob(experiment, lane, name)
     values = [float(value) for value in turned.positions(count)]
     if joint is None:
-        return [Trial(name, value, turned.patch(value)) for value in values]
+        return [Trial(name, value, turned.patch(turned.at_all(value))) for value in values]
     return [Trial(name, value, turned.patch(turned.at_joint(joint, value))) for value in values]
 
 

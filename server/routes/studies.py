@@ -56,7 +56,10 @@ class StripRequest(StudyRequest):
     field: str = Field(examples=["c"])
     count: int = Field(COUNT, ge=2, le=60)
     joint: int | None = Field(
-        None, ge=1, le=JOINTS, description="Turn this joint's share alone; null: all joints alike."
+        None,
+        ge=1,
+        le=JOINTS,
+        description="Turn this joint's share alone; null: all, in proportion.",
     )
 
 

@@ -195,15 +195,6 @@ def test_remarks_on_other_lanes_are_a_badge_in_the_list(screen: Page) -> None:
     expect(control(screen, "lanes.NFTSM.nu").locator(".guard")).to_be_visible()
 
 
-def test_a_refused_exponent_says_its_bounds_at_the_control(screen: Page) -> None:
-    path = f"lanes.{PROPOSED}.p"
-    box(screen, path).fill("9")
-    box(screen, path).press("Enter")
-    alert = control(screen, path).locator(".control-alert")
-    expect(alert).to_contain_text("p/k must lie between 1 and 2")
-    expect(box(screen, path)).to_have_value("5")
-
-
 def test_edits_are_listed_with_their_author_and_can_be_gone_back_to(
     dashboard: Dashboard, screen: Page
 ) -> None:

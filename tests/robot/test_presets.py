@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Barrier
 
+import numpy as np
 import pytest
 
 from robot.errors import (
@@ -277,6 +278,28 @@ def test_a_chattering_preset_teaches_its_lesson(name: str, loud: str, smooth: st
     lanes = simulate(load_preset(name).patched({"simulation": {"horizon": 2.0}})).lanes
     chattering = {lane: lanes[lane].metrics_since(1.0).chattering for lane in lanes}
     assert chattering[loud] > 100.0 * chattering[smooth]
+
+
+def test_the_chattering_preset_tells_the_figures_of_its_own_run() -> None:
+    preset = load_preset("chattering-sign")
+    words = " ".join(preset.description.split())
+    told = re.search(r"about (\d+) times the.*errors of (\S+) and (\S+) mrad", words)
+    assert told is not None
+    metrics = {name: lane.metrics for name, lane in simulate(preset).lanes.items()}
+    errors = [f"{1000 * metrics[name].mae.mean():.2f}" for name in ("sign", "tanh")]
+    assert list(told.groups()[1:]) == errors
+    ratio = metrics["sign"].chattering / metrics["tanh"].chattering
+    assert ratio == pytest.approx(float(told[1]), rel=0.05)
+
+
+def test_the_arms_of_the_tour_differ_as_the_readme_says() -> None:
+    run = simulate(load_preset("paper").patched({"simulation": {"horizon": 25.0}}))
+    readme = " ".join((SHIPPED_FOLDER.parent / "README.md").read_text(encoding="utf-8").split())
+    assert "They soon differ by centimetres, and NFTSM drifts away by decimetres" in readme
+    ours, drifting = (run.lanes[name].flange for name in ("RBFNN-NFTSM", "NFTSM"))
+    apart = np.linalg.norm(ours - drifting, axis=-1)
+    assert 0.02 < apart[run.time < 3.0].max() < 0.1
+    assert 0.2 < apart[run.time > 22.0].max() < 1.0
 
 
 def test_every_lane_of_the_realistic_preset_follows_within_milliradians() -> None:

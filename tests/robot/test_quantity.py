@@ -181,6 +181,7 @@ def test_exponent_outside_one_to_two_is_refused_with_its_value(p: int, k: int) -
     text = refused(NftsmSurface, p=p, k=k)
     assert "p/k must lie between 1 and 2" in text
     assert f"got {p / k:.3g}" in text
+    assert "p and its denominator k together" in text
 
 
 def test_exponent_is_judged_joint_by_joint() -> None:

@@ -327,6 +327,15 @@ def test_a_strip_tries_a_knob_along_its_track(served: Served) -> None:
         assert_same_figures(row, figures(experiment, "NFTSM", trial.patch))
 
 
+def test_a_strip_of_six_shares_keeps_their_proportion_within_the_bounds(served: Served) -> None:
+    shares = [1.0, 2.0, 4.0, 4.0, 2.0, 0.001]
+    patch = {**SHORT, "lanes": {"NFTSM": {"mu": shares}}}
+    served.http.patch("/api/experiment", json=patch)
+    for row in lines(served, "strip", lane="NFTSM", field="mu", count=3):
+        expected = [row["value"] * share / 4.0 for share in shares]
+        assert row["patch"]["lanes"]["NFTSM"]["mu"] == pytest.approx(expected)
+
+
 def test_sensitivity_begins_with_the_present_and_turns_every_knob_both_ways(served: Served) -> None:
     served.http.patch("/api/experiment", json=SHORT)
     experiment = served.studio.document.experiment
