@@ -49,6 +49,9 @@ def lens_router(studio: Studio) -> APIRouter:
         ``network``: the Gaussians over the inputs visited, the weights, and f beside the torque
         that an exact model would have needed; ``null`` without a network.
         ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
+
+        Where sensors are noisy, ``chattering.quiet`` and ``sliding.quiet_turns`` tell the same of a
+        run with exact ones.
         """
         revision = studio.document.revision
         experiment = only_known_lane(studio.experiment_of(None, wanted.patch), wanted.lane)
