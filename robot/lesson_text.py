@@ -188,6 +188,7 @@ class LessonText:
             "view": step.view,
             "exaggeration": step.exaggeration,
             "reset": step.reset,
+            "samples": step.samples,
             "question": self._question(index, step),
         }
 

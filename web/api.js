@@ -51,7 +51,7 @@ export {ApiError};
 /**
  * @typedef {{title: string, text: string[], preset: string, experiment: Document,
  *   changes: LessonChange[], lane: string, view: string|null, exaggeration: number|null,
- *   reset: boolean, question: LessonQuestion|null}} LessonStep
+ *   reset: boolean, samples: number, question: LessonQuestion|null}} LessonStep
  */
 /** @typedef {{name: string, title: string, steps: LessonStep[]}} Lesson */
 

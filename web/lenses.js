@@ -7,6 +7,7 @@ import {keyOf} from './lens_key.js';
 import {NetworkLens} from './lens_network.js';
 import {SlidingLens} from './lens_sliding.js';
 import {LiveTrail} from './live_trail.js';
+import {holdOf} from './panel_curves.js';
 import {PlotTabs} from './plot_tabs.js';
 import {RedrawPace} from './redraw_pace.js';
 import {recall, remember} from './remembered.js';
@@ -154,13 +155,14 @@ class Lenses {
     const {selected: lane} = this.#api;
     const [key, {id}] = [this.#key(), this.#lens];
     const gains = this.#api.experiment.lanes?.[lane] ?? {};
+    const hold = holdOf(this.#api.experiment);
     this.#busy = true;
     this.#since = performance.now();
     this.#root.classList.add('is-busy');
     this.#status.textContent = 'computing …';
     try {
       const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
-      if (seen) this.#look = {id, lane, seen, gains};
+      if (seen) this.#look = {id, lane, seen, gains, hold};
       this.#status.textContent = seen ? `whole response, rev ${seen.revision}` : '';
       this.#show();
     } catch (error) {
@@ -184,10 +186,10 @@ class Lenses {
       this.#say(this.#api.connected ? 'Computing the whole response …' : 'Not connected.');
       return;
     }
-    const {lane, seen, gains} = look;
+    const {lane, seen, gains, hold} = look;
     const color = this.#api.lanes.find(({name}) => name === lane)?.color ?? '#808080';
     const nothing = this.#lens.show({
-      seen, lane, color, gains, joint: this.#joint, horizon: seen.horizon,
+      seen, lane, color, gains, hold, joint: this.#joint, horizon: seen.horizon,
     });
     this.#say(nothing ?? '', seen.frozen && `The response ends early. ${seen.frozen.cause}`);
   }

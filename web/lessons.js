@@ -153,6 +153,7 @@ class Lessons {
     const course = this.#course;
     if (!course) return true;
     if (restore && !await this.#guarded(() => course.restore())) return false;
+    course.end();
     this.#course = null;
     noteOpenLesson(null);
     const action = {label: 'Undo', run: () => { this.#history.undo(); }};

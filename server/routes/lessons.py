@@ -60,6 +60,7 @@ class LessonStep(BaseModel):
     view: View | None = Field(description="Tab of the plots to open.")
     exaggeration: float | None
     reset: bool = Field(description="Whether time starts again at 0.")
+    samples: int = Field(description="Hold the plots on so many samples; 0: follow the newest.")
     question: LessonQuestion | None
 
 

@@ -341,29 +341,6 @@ def test_a_loop_too_slow_for_50_hz_has_no_spectrum_and_says_so() -> None:
     assert len(view.frequency) == 0
 
 
-def noisy(one: Experiment) -> Experiment:
-    sensors = {"position": 1e-5, "velocity": 1e-3}
-    return one.patched({"disturbance": {"sensor_noise": sensors}})
-
-
-def test_a_run_without_sensor_noise_stands_beside_a_noisy_one(restless: Any) -> None:
-    packed, _ = restless
-    smooth = packed.experiment.patched({"lanes": {LANE: {"switching": "tanh"}}})
-    seen = look_through(noisy(smooth), LANE)
-    alone = look_through(smooth, LANE)
-    assert seen["chattering"]["above"] > 0.5
-    assert seen["chattering"]["quiet"] == alone["chattering"]
-    assert seen["sliding"]["quiet_turns"] == alone["sliding"]["turns"]
-    assert seen["sliding"]["turns"] > 10.0 * alone["sliding"]["turns"]
-    assert alone["chattering"]["quiet"] is None
-    assert alone["sliding"]["quiet_turns"] is None
-
-
-def test_what_switches_is_left_when_the_noise_is_gone(restless: Any) -> None:
-    seen = look_through(noisy(restless[0].experiment), LANE, ["chattering"])["chattering"]
-    assert seen["quiet"]["above"] == pytest.approx(seen["above"], rel=0.2)
-
-
 # --- all of them -------------------------------------------------------------------------------
 
 
