@@ -44,14 +44,19 @@ export {ApiError};
  *   LessonSummary
  */
 /**
- * @typedef {{text: string, choices: string[], answer: number, explanation: string[]}}
- *   LessonQuestion
+ * @typedef {{label: string, window: string, quoted: string, unit: string, metric: string,
+ *   lane: string, joint: number|null, since: number, until: number, at: number|null,
+ *   layer: number[]}} LessonFigure
+ */
+/**
+ * @typedef {{text: string, choices: string[], answer: number, explanation: string[],
+ *   figures: LessonFigure[]}} LessonQuestion
  */
 /** @typedef {{path: string, label: string, was: string, now: string}} LessonChange */
 /**
  * @typedef {{title: string, text: string[], preset: string, experiment: Document,
  *   changes: LessonChange[], lane: string, view: string|null, exaggeration: number|null,
- *   reset: boolean, samples: number, question: LessonQuestion|null}} LessonStep
+ *   figures: LessonFigure[], reset: boolean, samples: number, question: LessonQuestion|null}} LessonStep
  */
 /** @typedef {{name: string, title: string, steps: LessonStep[]}} Lesson */
 
@@ -69,6 +74,7 @@ export class Api extends EventTarget {
   /** @type {Law[]} */ laws = [];
   /** @type {State|null} */ session = null;
   /** @type {Document|null} the last `metrics` message */ metrics = null;
+  /** @type {import('./ring.js').Ring|null} the last minute, which the plots keep */ kept = null;
   /** This page's id; patches that it sent come back with it as `author`. */
   client = '';
   /** Newest revision that the server told of. */

@@ -53,6 +53,7 @@ class Plots {
    */
   constructor(root, api) {
     this.#api = api;
+    api.kept = this.#ring;
     const stage = element('div', {
       class: 'plots-stage', tabindex: 0,
       'aria-keyshortcuts': 'Shift+ArrowLeft Shift+ArrowRight Shift+ArrowUp Shift+ArrowDown Escape',

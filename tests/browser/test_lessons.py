@@ -131,6 +131,33 @@ def test_the_lesson_on_chattering_zooms_to_twenty_steps_of_torque_and_lets_go(
     panels(page, samples=10_000)
 
 
+def test_a_quoted_figure_stands_beside_the_live_one_of_the_same_time(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    page = learner
+    dashboard.client.patch("api/session", json={"speed": 10.0}).raise_for_status()
+    lesson = dashboard.client.get("api/lessons/chattering").json()
+    for number, kind in ((1, "figures"), (2, "question")):
+        page.keyboard.press("ArrowRight") if number > 1 else begin(page, "chattering")
+        at_step(page, number)
+        if kind == "question":
+            page.get_by_role("button", name="Skip the guess").click()
+        step = lesson["steps"][number - 1]
+        figures = step["figures"] if kind == "figures" else step["question"]["figures"]
+        rows = page.locator(".lesson-figures tbody tr")
+        expect(rows).to_have_count(len(figures))
+        expect(page.locator(".lesson-figures .is-final")).to_have_count(
+            len(figures), timeout=60_000
+        )
+        for row, figure in zip(rows.all(), figures, strict=True):
+            shown = float(row.locator("td").last.inner_text().replace(",", "").split()[0])
+            number = float(figure["quoted"].strip("<> ").replace(",", ""))
+            if figure["quoted"].startswith(">"):
+                assert shown > number
+            else:
+                assert shown == pytest.approx(number, rel=0.025)
+
+
 def test_a_lesson_can_be_left_at_any_step_and_survives_a_reload(
     learner: Page, dashboard: Dashboard
 ) -> None:
