@@ -153,7 +153,7 @@ class Lenses {
 
   async #fetch() {
     const {selected: lane} = this.#api;
-    const [key, {id}] = [this.#key(), this.#lens];
+    const [key, {id}, {revision}] = [this.#key(), this.#lens, this.#api];
     const gains = this.#api.experiment.lanes?.[lane] ?? {};
     const hold = holdOf(this.#api.experiment);
     this.#busy = true;
@@ -163,7 +163,7 @@ class Lenses {
     try {
       const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
       if (seen) this.#look = {id, lane, seen, gains, hold};
-      this.#status.textContent = seen ? `whole response, rev ${seen.revision}` : '';
+      this.#status.textContent = seen ? `whole response, rev ${revision}` : '';
       this.#show();
     } catch (error) {
       this.#look = null;

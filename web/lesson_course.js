@@ -3,8 +3,8 @@
 
 import {difference} from './merge_patch.js';
 
-/** @typedef {import('./api.js').Lesson} Lesson */
-/** @typedef {import('./api.js').LessonStep} LessonStep */
+/** @typedef {import('./lesson_document.js').Lesson} Lesson */
+/** @typedef {import('./lesson_document.js').LessonStep} LessonStep */
 /** @typedef {import('./merge_patch.js').Document} Document */
 /**
  * What there was before the lesson.

@@ -5,7 +5,7 @@ import {element} from './element.js';
 import {measured} from './lesson_measure.js';
 import {threeDigits} from './metrics_columns.js';
 
-/** @typedef {import('./api.js').LessonFigure} Figure */
+/** @typedef {import('./lesson_document.js').LessonFigure} Figure */
 /** @typedef {{figure: Figure, cell: HTMLElement, text: string}} Row */
 
 /** Time between two looks in [ms]. */

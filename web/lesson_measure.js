@@ -3,7 +3,7 @@
 
 import {amplitudeSpectrum} from './spectrum.js';
 
-/** @typedef {import('./api.js').LessonFigure} Figure */
+/** @typedef {import('./lesson_document.js').LessonFigure} Figure */
 /** @typedef {import('./ring.js').Ring} Ring */
 
 const JOINTS = [1, 2, 3, 4, 5, 6];

@@ -7,7 +7,7 @@ import {changes} from './lesson_changes.js';
 import {LessonQuestion} from './lesson_question.js';
 
 /** @typedef {import('./lesson_course.js').Course} Course */
-/** @typedef {import('./api.js').LessonSummary & import('./lesson_progress.js').Progress} Row */
+/** @typedef {import('./lesson_document.js').LessonSummary & import('./lesson_progress.js').Progress} Row */
 /**
  * @typedef {object} Actions what the panel asks for
  * @property {(name: string) => void} begin a lesson

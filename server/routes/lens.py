@@ -29,6 +29,9 @@ class LensRequest(Strict):
     patch: dict[str, Any] = Field(
         {}, description="Merge patch to the live experiment, such as another switching function."
     )
+    experiment: dict[str, Any] | None = Field(
+        None, description="Another experiment than the live one, whole, to which the patch goes."
+    )
     lenses: list[LensName] = Field(
         ["sliding", "network", "chattering"],
         min_length=1,
@@ -54,7 +57,9 @@ def lens_router(studio: Studio) -> APIRouter:
         run with exact ones.
         """
         revision = studio.document.revision
-        experiment = only_known_lane(studio.experiment_of(None, wanted.patch), wanted.lane)
+        experiment = only_known_lane(
+            studio.experiment_of(wanted.experiment, wanted.patch), wanted.lane
+        )
         work = studio.workers.run(look_through, experiment, wanted.lane, wanted.lenses)
         seen = await until_gone(request, work)
         if seen is None:

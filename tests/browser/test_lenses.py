@@ -205,6 +205,26 @@ def test_three_switching_functions_are_compared(page: Page, dashboard: Dashboard
     expect(three.locator(".legendtext")).to_have_text(["sign", "saturation", "tanh"])
 
 
+def test_a_comparison_survives_that_its_lane_goes_away(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Chattering", "chattering-sign")
+    three = card(page, "Sign, saturation, tanh")
+
+    def load_another(request: Request) -> None:
+        if "saturation" in (request.post_data or ""):
+            return
+        dashboard.client.post("api/presets/paper/load").raise_for_status()
+
+    answers: list[int] = []
+    page.on("response", lambda one: answers.append(one.status) if "/lens" in one.url else None)
+    page.once("request", load_another)
+    three.get_by_role("button", name="Compare the three").click()
+    expect(page.locator(".lens-lane")).not_to_have_text("sign")
+    expect(three.get_by_role("button", name="Compare the three")).to_be_visible(timeout=60_000)
+    expect(page.locator(".lenses.is-busy")).to_have_count(0, timeout=60_000)
+    assert answers
+    assert set(answers) <= {200, 204}
+
+
 def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
     page: Page, dashboard: Dashboard
 ) -> None:
