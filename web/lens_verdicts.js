@@ -123,7 +123,7 @@ function restless({turns, quiet_turns: quiet, outside}, gains) {
   const often = `V turns ${threeDigits(turns)} times a second`;
   const apart = quiet === null ? '' : `, and ${threeDigits(quiet)} times without sensor noise`;
   if (quiet !== null && quiet <= RESTLESS) {
-    return `${often}${apart}: it is the noise that trembles, nothing switches. S is only as calm as `
+    return `${often}${apart}: it is the noise that trembles, not the switching. S is only as calm as `
       + 'it is measured.';
   }
   if (!switches(gains)) {
