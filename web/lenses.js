@@ -40,6 +40,7 @@ class Lenses {
   #message = element('p', {class: 'lens-message', role: 'status'});
   /** @type {HTMLButtonElement[]} */ #joints;
   #seen = '';
+  /** Of the experiment that the page shows. */ #revision;
   /** @type {any} */ #look = null;
   #busy = false;
   #since = -Infinity;
@@ -55,6 +56,7 @@ class Lenses {
    */
   constructor(root, api, desk) {
     this.#api = api;
+    this.#revision = api.revision;
     this.#root = root;
     const trail = new LiveTrail(api);
     this.#sliding = new SlidingLens({trail: (joint) => trail.of(joint)});
@@ -88,7 +90,12 @@ class Lenses {
 
   #listen() {
     for (const type of ['hello', 'patch', 'select']) {
-      this.#api.addEventListener(type, () => { this.#nameLane(); this.#refresh(); });
+      this.#api.addEventListener(type, (event) => {
+        // Other messages tell of the session, which may lag behind the experiment.
+        this.#revision = /** @type {CustomEvent} */ (event).detail.revision ?? this.#revision;
+        this.#nameLane();
+        this.#refresh();
+      });
     }
     this.#api.addEventListener('frame', () => {
       if (this.#lens === this.#sliding && this.#awake) this.#pace.request({least: LEAST_MS});
@@ -138,13 +145,20 @@ class Lenses {
 
   /** Look anew if anything has changed that the response depends on, though not too often. */
   #refresh() {
-    const {selected, connected, experiment} = this.#api;
+    const {selected, connected} = this.#api;
     if (!this.#awake || !connected || !selected || this.#busy || this.#timer) return;
     const key = this.#key();
-    if (key === this.#seen || !(selected in (experiment.lanes ?? {}))) return;
+    if (key === this.#seen || !this.#fits) return;
     const wait = this.#since + LEAST_MS - performance.now();
-    this.#timer = setTimeout(() => { this.#timer = 0; this.#fetch(); }, Math.max(wait, 0));
+    this.#timer = setTimeout(() => {
+      this.#timer = 0;
+      // They may have been hidden meanwhile, and a lane may have gone.
+      if (this.#root.checkVisibility() && this.#fits) this.#fetch();
+    }, Math.max(wait, 0));
   }
+
+  /** Whether there is such a lane: of other lanes the server may have told already. */
+  get #fits() { return this.#api.selected in (this.#api.experiment.lanes ?? {}); }
 
   #key() {
     const {experiment, selected} = this.#api;
@@ -153,7 +167,7 @@ class Lenses {
 
   async #fetch() {
     const {selected: lane} = this.#api;
-    const [key, {id}, {revision}] = [this.#key(), this.#lens, this.#api];
+    const [key, {id}, revision] = [this.#key(), this.#lens, this.#revision];
     const gains = this.#api.experiment.lanes?.[lane] ?? {};
     const hold = holdOf(this.#api.experiment);
     this.#busy = true;
