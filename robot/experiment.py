@@ -228,6 +228,11 @@ class Simulation(Section):
         return self.step if self.mode == "continuous" else 1.0 / self.control_rate
 
     @property
+    def hold(self) -> float:
+        """For so long a torque is held in [s]; 0 where nothing is sampled."""
+        return self.row_period if self.mode == "sampled" else 0.0
+
+    @property
     def delay(self) -> tuple[int, int]:
         """Input delay as whole control periods and the steps of the arm beyond them."""
         steps = round(self.input_delay * self.control_rate * self.plant_substeps)

@@ -65,6 +65,9 @@ class Step(Section):
     view: View | None = Field(None, description="Tab of the plots to open.")
     exaggeration: float | None = Field(None, ge=1.0, le=50.0)
     reset: bool = Field(False, description="Whether time starts again at 0.")
+    samples: int = Field(
+        0, ge=0, le=1000, description="Hold the plots on so many samples; 0: follow the newest."
+    )
     seconds: float | None = Field(None, gt=0.0, description="Length of the claims' run [s].")
     question: Question | None = None
     claims: tuple[Claim, ...] = ()

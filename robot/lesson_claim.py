@@ -134,10 +134,12 @@ class LessonMetric:
     Attributes:
         unit: unit of the value, empty for none.
         value: works it out.
+        label: what it is called beside a live one; empty where it follows from the gains alone.
     """
 
     unit: str
     value: Callable[[Look], float]
+    label: str = ""
 
 
 def _error_at(look: Look) -> float:
@@ -218,18 +220,28 @@ def _integrator_gap(look: Look) -> float:
 
 
 METRICS: dict[Metric, LessonMetric] = {
-    "mean_error": LessonMetric("mrad", lambda look: 1e3 * look.of_joint(look.figures.mae)),
-    "max_error": LessonMetric("mrad", lambda look: 1e3 * look.of_joint(look.figures.max_error)),
-    "error_at": LessonMetric("mrad", _error_at),
-    "reaching_time": LessonMetric("s", _reaching_time),
-    "peak_torque": LessonMetric("N·m", lambda look: look.of_joint(look.figures.peak_torque)),
-    "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering),
-    "sign_changes": LessonMetric("%", _sign_changes),
-    "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque),
-    "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms),
-    "flange_max": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_max),
-    "sampling_margin": LessonMetric("", _sampling_margin),
-    "margin_limit": LessonMetric("", lambda look: margin_limit(look.run.experiment.simulation)),
+    "mean_error": LessonMetric(
+        "mrad", lambda look: 1e3 * look.of_joint(look.figures.mae), "mean |e|"
+    ),
+    "max_error": LessonMetric(
+        "mrad", lambda look: 1e3 * look.of_joint(look.figures.max_error), "greatest |e|"
+    ),
+    "error_at": LessonMetric("mrad", _error_at, "|e|"),
+    "reaching_time": LessonMetric("s", _reaching_time, "reaching time"),
+    "peak_torque": LessonMetric(
+        "N·m", lambda look: look.of_joint(look.figures.peak_torque), "greatest |τ|"
+    ),
+    "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering, "chattering"),
+    "sign_changes": LessonMetric("%", _sign_changes, "side changes of S"),
+    "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque, "torque above 50 Hz"),
+    "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms, "flange RMS"),
+    "flange_max": LessonMetric(
+        "mm", lambda look: 1e3 * look.figures.flange_max, "greatest flange error"
+    ),
+    "sampling_margin": LessonMetric("", _sampling_margin, "γ"),
+    "margin_limit": LessonMetric(
+        "", lambda look: margin_limit(look.run.experiment.simulation), "γ border"
+    ),
     "time_constant": LessonMetric(
         "s", lambda look: look.of_joint(np.divide(look.gains.c, look.gains.nu))
     ),

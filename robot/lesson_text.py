@@ -16,6 +16,7 @@ from robot.errors import FieldError, InvalidLessonError
 from robot.experiment import Experiment
 from robot.lesson import LoadedLesson, Step
 from robot.lesson_claim import Claim
+from robot.lesson_figures import figures
 from robot.merge_patch import difference
 from robot.quantity import Section
 
@@ -188,8 +189,13 @@ class LessonText:
             "view": step.view,
             "exaggeration": step.exaggeration,
             "reset": step.reset,
+            "samples": step.samples,
+            "figures": self._figures(step.text, index - 1 if step.question else index),
             "question": self._question(index, step),
         }
+
+    def _figures(self, texts: str, index: int) -> list[dict[str, Any]]:
+        return [asdict(figure) for figure in figures(self._loaded, texts, index)]
 
     def _changes(self, index: int) -> list[dict[str, str]]:
         before, after = self._loaded.experiments[index - 1 : index + 1]
@@ -207,4 +213,5 @@ class LessonText:
             ],
             "answer": question.answer,
             "explanation": self.paragraphs(index, question.explanation, "question.explanation"),
+            "figures": self._figures(f"{question.text} {question.explanation} {step.text}", index),
         }

@@ -39,21 +39,8 @@ export {ApiError};
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
-/**
- * @typedef {{name: string, title: string, summary: string, minutes: number, steps: number}}
- *   LessonSummary
- */
-/**
- * @typedef {{text: string, choices: string[], answer: number, explanation: string[]}}
- *   LessonQuestion
- */
-/** @typedef {{path: string, label: string, was: string, now: string}} LessonChange */
-/**
- * @typedef {{title: string, text: string[], preset: string, experiment: Document,
- *   changes: LessonChange[], lane: string, view: string|null, exaggeration: number|null,
- *   reset: boolean, question: LessonQuestion|null}} LessonStep
- */
-/** @typedef {{name: string, title: string, steps: LessonStep[]}} Lesson */
+/** @typedef {import('./lesson_document.js').Lesson} Lesson */
+/** @typedef {import('./lesson_document.js').LessonSummary} LessonSummary */
 
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;
@@ -69,6 +56,7 @@ export class Api extends EventTarget {
   /** @type {Law[]} */ laws = [];
   /** @type {State|null} */ session = null;
   /** @type {Document|null} the last `metrics` message */ metrics = null;
+  /** @type {import('./ring.js').Ring|null} the last minute, which the plots keep */ kept = null;
   /** This page's id; patches that it sent come back with it as `author`. */
   client = '';
   /** Newest revision that the server told of. */
@@ -233,12 +221,12 @@ export class Api extends EventTarget {
    *
    * @param {string} lane
    * @param {('sliding'|'network'|'chattering')[]} lenses
-   * @param {{patch?: Document, signal?: AbortSignal}} [options] `patch`: another experiment than
-   *   the live one
-   * @returns {Promise<Document>} what each lens saw, under its name
+   * @param {{experiment?: Document, patch?: Document, signal?: AbortSignal}} [options] sent along,
+   *   so that the server's may be another by then; `patch`: what is different in it
+   * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up
    */
-  lens(lane, lenses, {patch = {}, signal} = {}) {
-    return request('POST', '/api/lens', {lane, lenses, patch}, signal);
+  lens(lane, lenses, {experiment = this.experiment, patch = {}, signal} = {}) {
+    return request('POST', '/api/lens', {lane, lenses, patch, experiment}, signal);
   }
 
   /**

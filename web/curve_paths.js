@@ -35,10 +35,10 @@ export function movedCurves(graph, traces) {
     moves.push([lines[0], trace]);
   }
   /** @type {Map<ArrayLike<number>, string[]>} */ const across = new Map();
-  for (const [line, {x, y, xaxis, yaxis}] of moves) {
+  for (const [line, {x, y, xaxis, yaxis, line: {shape}}] of moves) {
     const texts = across.get(x) ?? placesAcross(layout[axisName(xaxis)], x);
     across.set(x, texts);
-    line.setAttribute('d', path(texts, layout[axisName(yaxis)], y));
+    line.setAttribute('d', path(texts, layout[axisName(yaxis)], y, shape === 'hv'));
   }
   return true;
 }
@@ -68,9 +68,10 @@ function placesAcross({range: [from, to], _length: length}, values) {
  * @param {string[]} across
  * @param {Axis} axis
  * @param {ArrayLike<number>} values NaN interrupts the line
+ * @param {boolean} steps whether each value holds until the next
  * @returns {string} of an SVG path
  */
-function path(across, {range: [low, high], _length: length}, values) {
+function path(across, {range: [low, high], _length: length}, values, steps) {
   const scale = length / (high - low);
   let text = '';
   let pen = 'M';
@@ -79,7 +80,8 @@ function path(across, {range: [low, high], _length: length}, values) {
     if (Number.isNaN(place)) {
       pen = 'M';
     } else {
-      text += `${pen}${across[index]},${rounded(Math.min(FAR, Math.max(-FAR, place)))}`;
+      const down = rounded(Math.min(FAR, Math.max(-FAR, place)));
+      text += pen === 'L' && steps ? `H${across[index]}V${down}` : `${pen}${across[index]},${down}`;
       pen = 'L';
     }
   }

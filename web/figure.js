@@ -106,7 +106,7 @@ export function figure(drawing) {
  * @param {Curve} curve
  * @param {number} index
  */
-function line(drawing, {panel}, {trace, x, y}, index) {
+function line(drawing, {panel}, {trace, x, y, steps}, index) {
   const desired = trace.role === 'desired';
   const color = desired ? drawing.theme.desired : colorOf(drawing, trace.lane);
   const {
@@ -124,7 +124,7 @@ function line(drawing, {panel}, {trace, x, y}, index) {
     xaxis: 'x',
     yaxis: `y${axisNumber(index)}`,
     // The points are few already; leaving more out would cost peaks.
-    line: {color, width, dash, simplify: false},
+    line: {color, width, dash, simplify: false, shape: steps ? 'hv' : 'linear'},
     hovertemplate: `%{y:.4~g} ${panel.unit}`,
     showlegend: Boolean(drawing.legend) && index === 0,
   };

@@ -6,13 +6,12 @@ import {LensFigure} from './lens_figure.js';
 import {SmoothingCard} from './lens_smoothing.js';
 import {spectrumFigure} from './lens_spectrum.js';
 import {SwitchingCard} from './lens_switching.js';
+import {chatteringFinding} from './lens_verdicts.js';
 import {threeDigits} from './metrics_columns.js';
 
 /** @typedef {import('./lens_card.js').Look} Look */
 
 const HEIGHT = 250;
-/** Torque above 50 Hz in [N·m] that is worth a word. */
-const CHATTERS = 0.1;
 
 /** Shows how restless the torque of a lane is. */
 export class ChatteringLens {
@@ -31,8 +30,8 @@ export class ChatteringLens {
   constructor(api, desk) {
     this.#card = new LensCard({
       title: 'Where the torque lies in frequency', equation: 'Eq. 13, 14',
-      words: 'The motion itself lives below a few hertz. What stands right of 50 Hz is chattering: '
-        + 'it heats motors and shakes gears, and hardly moves the arm.',
+      words: 'The motion itself lives below a few hertz. What stands right of 50 Hz is chattering, '
+        + 'or the sensors’ noise: it heats motors and shakes gears, and hardly moves the arm.',
     }, this.#spectrum.element);
     this.#smoothing = new SmoothingCard(api, desk);
     this.#switching = new SwitchingCard(api, desk);
@@ -41,7 +40,7 @@ export class ChatteringLens {
 
   /** @param {Look} look */
   show(look) {
-    const {seen: {chattering}, joint, color, lane} = look;
+    const {seen: {chattering}, joint, color, lane, gains} = look;
     const one = chattering.joints[joint - 1];
     this.#card.facts = [
       {name: 'total variation', value: `${threeDigits(one.variation)} N·m/s`,
@@ -49,11 +48,14 @@ export class ChatteringLens {
       {name: 'switches', value: `${threeDigits(one.switches)} /s`,
         title: 'Sign changes of S a second'},
       {name: 'above 50 Hz', value: above(one.above)},
-      {name: 'all joints', value: `${threeDigits(chattering.variation)} N·m/s, `
-        + `${threeDigits(chattering.switches)} /s, ${above(chattering.above)}`},
+      {name: 'all joints', value: together(chattering)},
+      ...(chattering.quiet ? [{
+        name: 'without sensor noise', value: together(chattering.quiet),
+        title: 'All joints in the same run with sensors that measure exactly',
+      }] : []),
     ];
-    this.#card.finding = finding(chattering);
-    const spectra = [{name: lane, color, dash: 'solid', density: one.density}];
+    this.#card.finding = chatteringFinding(chattering, gains);
+    const spectra = spectraOf(chattering, joint, lane, color);
     this.#spectrum.draw(`Joint ${joint}: spectrum of the torque`, (colors) => (
       spectrumFigure(colors, chattering, spectra, `${lane}-${joint}`)
     ));
@@ -66,14 +68,21 @@ export class ChatteringLens {
 function above(torque) { return torque === null ? '–' : `${threeDigits(torque)} N·m RMS`; }
 
 /** @param {any} chattering */
-function finding({frequency, switches, above: torque, mae}) {
-  if (!frequency.length) {
-    return 'The loop samples too slowly, or the run is too short, to tell torque above 50 Hz.';
-  }
-  const error = `${threeDigits(1000 * mae)} mrad mean error`;
-  if (torque > CHATTERS) {
-    return `${threeDigits(switches)} switches a second and ${threeDigits(torque)} N·m of chattering `
-      + `buy ${error}. A wider boundary layer ε, or a smaller k₂, is quieter.`;
-  }
-  return `Smooth: hardly any torque above 50 Hz, with ${error}.`;
+function together({variation, switches, above: torque}) {
+  return `${threeDigits(variation)} N·m/s, ${threeDigits(switches)} /s, ${above(torque)}`;
+}
+
+/**
+ * Of the run, and of that without sensor noise where there is one as long.
+ *
+ * @param {any} chattering
+ * @param {number} joint
+ * @param {string} lane
+ * @param {string} color
+ */
+function spectraOf({joints, frequency, quiet}, joint, lane, color) {
+  const spectra = [{name: lane, color, dash: 'solid', density: joints[joint - 1].density}];
+  if (quiet?.frequency.length !== frequency.length) return spectra;
+  const {density} = quiet.joints[joint - 1];
+  return [...spectra, {name: 'without sensor noise', color, dash: 'dot', density}];
 }

@@ -6,6 +6,7 @@ import {LensCard, choice, percent} from './lens_card.js';
 import {LensFigure, axis, faint} from './lens_figure.js';
 import {withUnit} from './quantity.js';
 import {threeDigits} from './metrics_columns.js';
+import {isSampledEvery} from './panel_curves.js';
 
 /** @typedef {import('./lens_card.js').Look} Look */
 /** @typedef {import('./lens_figure.js').Colors} Colors */
@@ -234,7 +235,9 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
  * @param {any} network
  * @param {any} one
  */
-function torqueFigure(colors, {color, joint, lane}, {torque_time: x}, one) {
+function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one) {
+  // Of a long run only some samples are here.
+  const steps = isSampledEvery(hold, (x[x.length - 1] - x[0]) / (x.length - 1));
   const line = (/** @type {string} */ uid, /** @type {string} */ name, /** @type {number[]} */ y,
     /** @type {object} */ style) => ({
     type: 'scatter', mode: 'lines', uid, name: plain(name), x, y,
@@ -243,7 +246,7 @@ function torqueFigure(colors, {color, joint, lane}, {torque_time: x}, one) {
   return {
     data: [
       line('needed', 'needed', one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
-      line('f', 'f', one.f, {color, width: 1.8}),
+      line('f', 'f', one.f, {color, width: 1.8, shape: steps ? 'hv' : 'linear'}),
     ],
     layout: {
       uirevision: `${lane}-${joint}`,

@@ -5,6 +5,7 @@ import {plain} from './figure.js';
 import {LensCard, choice, percent} from './lens_card.js';
 import {LensFigure, axis, faint} from './lens_figure.js';
 import {energyFigure} from './lens_energy.js';
+import {RESTLESS, energyFinding, planeFinding} from './lens_verdicts.js';
 import {withUnit} from './quantity.js';
 import {threeDigits} from './metrics_columns.js';
 
@@ -14,10 +15,6 @@ import {threeDigits} from './metrics_columns.js';
 
 const PLANE_HEIGHT = 300;
 const ENERGY_HEIGHT = 250;
-/** Share of the time below which "never" is fair. */
-const HARDLY = 0.0005;
-/** Turns of V a second that are no motion of the arm's any more. */
-const RESTLESS = 50;
 /** Distance of two points, in widths of the picture, across which no line belongs. */
 const APART = 0.05;
 
@@ -46,7 +43,7 @@ export class SlidingLens {
     this.#energyCard = new LensCard({
       title: 'Does V fall?', equation: 'Eq. 23, first term',
       words: 'V = ½ SᵀMS tells how far all six joints together are from their lines S = 0. Where '
-        + 'dV/dt is above zero, what the arm needs or suffers outruns the reaching law.',
+        + 'dV/dt is above zero, what the arm needs or suffers outruns the controller.',
     }, this.#energy.element);
     this.element = [this.#planeCard.element, this.#energyCard.element];
   }
@@ -61,14 +58,10 @@ export class SlidingLens {
       + 'error slides to zero.';
     const sign = gains.switching === 'sign';
     this.#planeCard.facts = planeFacts(one, sign);
-    this.#planeCard.finding = planeFinding(one, horizon, sign);
+    this.#planeCard.finding = planeFinding(one, horizon, gains);
     this.#drawPlane();
-    const {growing, outside} = seen.sliding;
-    this.#energyCard.facts = [
-      {name: 'V grows', value: `${percent(growing)} of the time`},
-      {name: 'some S outside its layer', value: outside ? `${percent(outside)} of the time` : 'never'},
-    ];
-    this.#energyCard.finding = energyFinding(seen.sliding, horizon);
+    this.#energyCard.facts = energyFacts(seen.sliding);
+    this.#energyCard.finding = energyFinding(seen.sliding, horizon, gains);
     this.#energy.draw('V and its derivative over time', (colors) => (
       energyFigure(colors, seen.sliding, color, seen.sliding.turns < RESTLESS)
     ));
@@ -88,6 +81,20 @@ export class SlidingLens {
       (colors) => planeFigure(colors, look, one, trail, fit),
     );
   }
+}
+
+/** @param {any} sliding */
+function energyFacts({growing, outside, turns, quiet_turns: quiet, joints}) {
+  const layered = joints.some((/** @type {{layer: number}} */ {layer}) => layer);
+  const beside = quiet === null ? '' : `, ${threeDigits(quiet)} without sensor noise`;
+  return [
+    {name: 'V grows', value: `${percent(growing)} of the time`},
+    ...(layered ? [{
+      name: 'some S outside its layer', value: outside ? `${percent(outside)} of the time` : 'never',
+    }] : []),
+    {name: 'turns', value: `${threeDigits(turns)} /s${beside}`,
+      title: 'How often a second V turns between growing and falling'},
+  ];
 }
 
 /**
@@ -110,52 +117,6 @@ function planeFacts(one, sign) {
     {name: 'inside', value: `${percent(inside)} of the time`},
     constant,
   ];
-}
-
-/**
- * @param {any} one
- * @param {number} horizon
- * @param {boolean} sign whether it switches by sign(S)
- */
-function planeFinding(one, horizon, sign) {
-  const {layer, reaching_time: reached, inside, time_constant: constant} = one;
-  const slow = constant > horizon
-    ? ` On the line the error takes ${threeDigits(constant)} s to fall to a third, longer than this `
-      + `run of ${threeDigits(horizon)} s: it hardly converges.` : '';
-  if (!layer) return `This law has no boundary layer: it pulls in proportion to S.${slow}`;
-  if (reached === null) {
-    return `S never came within the layer: k₁ and k₂ don’t overcome what acts on this joint.${slow}`;
-  }
-  if (sign) {
-    return 'sign(S) knows no layer, and ε does nothing: it pushes with all of k₂ wherever S is not '
-      + `zero. For ${percent(inside)} of the time S is as good as zero.${slow}`;
-  }
-  if (1 - inside < HARDLY) {
-    return `The whole response lies within the layer: there tanh and saturation are little more `
-      + `than a gain k₂/ε, and nothing switches.${slow}`;
-  }
-  const begins = reached ? `S came within the layer after ${threeDigits(reached)} s` : 'S begins within the layer';
-  return `${begins} and is outside it for ${percent(1 - inside)} of the time.${slow}`;
-}
-
-/**
- * @param {any} sliding
- * @param {number} horizon
- */
-function energyFinding({outside, growing_outside: growing, turns}, horizon) {
-  if (turns > RESTLESS) {
-    return `V turns ${threeDigits(turns)} times a second: the torque is held for a whole sample and `
-      + 'pushes beyond the line each time. That is chattering, not a lack of gain.';
-  }
-  const follows = 'within the layers nothing forces V to fall, it follows the motion.';
-  if (!outside) return `Every S stays within its layer: ${follows}`;
-  const span = `${threeDigits(outside * horizon)} s in all`;
-  if (growing < HARDLY) {
-    return `While some S is outside its layer (${span}) V falls all the time: there the gains beat `
-      + `everything that disturbs. ${follows.replace('w', 'W')}`;
-  }
-  return `While some S is outside its layer (${span}) V grows for ${percent(growing)} of that time: `
-    + 'the gains k₁, k₂ are too small for what disturbs the arm then, or a joint pulls its neighbours.';
 }
 
 /**

@@ -5,6 +5,7 @@ import {element} from './element.js';
 import {plain} from './figure.js';
 import {LensCard} from './lens_card.js';
 import {LensFigure, axis} from './lens_figure.js';
+import {knee} from './lens_knee.js';
 import {keyOf} from './lens_key.js';
 import {threeDigits} from './metrics_columns.js';
 import {written} from './quantity.js';
@@ -209,7 +210,10 @@ function finding(points, mode) {
       ? ' A continuous controller doesn’t chatter; the price shows where it is sampled.' : '';
     return `A small ε costs nothing here; most exact is ${told(exact)}.${where}`;
   }
-  return `Most exact is ${told(exact)}, quietest ${told(quiet)}.`;
+  const bend = knee(points);
+  const turn = bend ? ` The knee is at ${told(bend)}: a thinner layer moves much more torque for little `
+    + 'accuracy, a wider one gives up accuracy for little calm.' : '';
+  return `Most exact is ${told(exact)}, quietest ${told(quiet)}.${turn}`;
 }
 
 /**
@@ -279,9 +283,23 @@ function curveFigure(colors, {lane, color}, points, functions, present) {
       marker: {symbol: 'circle-open', size: 17, color: colors.text, line: {width: 2}},
     }],
     layout: {
+      annotations: kneeMark(colors, knee(points)),
       uirevision: `${lane}-${points.length}`,
       xaxis: axis(colors, {title: 'chattering [N·m/s]', type: 'log', range: span(x)}),
       yaxis: axis(colors, {title: 'mean error [mrad]', type: 'log', range: span(y), nticks: 6}),
     },
   };
+}
+
+/**
+ * @param {Colors} colors
+ * @param {Row|null} bend
+ */
+function kneeMark(colors, bend) {
+  if (!bend) return [];
+  return [{
+    x: Math.log10(Number(bend.chattering)), y: Math.log10(MILLI * Number(bend.mae)),
+    text: `knee, ε = ${short(bend.value)}`, showarrow: true, arrowhead: 0, arrowcolor: colors.muted,
+    ax: 34, ay: -34, xanchor: 'left', font: {color: colors.text},
+  }];
 }

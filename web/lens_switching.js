@@ -88,9 +88,12 @@ export class SwitchingCard {
     this.#trials = [];
     await this.#api.settled();
     this.#compared = this.#key();
+    // All three of the same experiment, whatever becomes of the live one meanwhile.
+    const {experiment} = this.#api;
     for (const [name, dash] of FUNCTIONS) {
+      if (!switchesIn(this.#api.experiment, lane)) break;
       this.#draw();
-      const trial = await this.#run(lane, name, signal);
+      const trial = await this.#run(experiment, lane, name, signal);
       if (signal.aborted) break;
       this.#trials.push({name, dash, ...trial});
     }
@@ -99,14 +102,15 @@ export class SwitchingCard {
   }
 
   /**
+   * @param {{[section: string]: any}} experiment
    * @param {string} lane
    * @param {string} switching
    * @param {AbortSignal} signal
    */
-  async #run(lane, switching, signal) {
+  async #run(experiment, lane, switching, signal) {
     try {
       const patch = {lanes: {[lane]: {switching}}};
-      const seen = await this.#api.lens(lane, ['chattering'], {patch, signal});
+      const seen = await this.#api.lens(lane, ['chattering'], {experiment, patch, signal});
       return {seen};
     } catch (error) {
       const {fields, message} = /** @type {import('./api.js').ApiError} */ (error);
@@ -128,8 +132,9 @@ export class SwitchingCard {
   #draw() {
     const look = this.#look;
     if (!look) return;
-    const gains = this.#api.experiment.lanes?.[look.lane] ?? {};
-    const switches = 'switching' in gains;
+    const {experiment} = this.#api;
+    const gains = experiment.lanes?.[look.lane] ?? {};
+    const switches = switchesIn(experiment, look.lane);
     const trials = this.#trials;
     const old = trials.length > 0 && this.#key() !== this.#compared;
     this.#button.disabled = !switches;
@@ -137,7 +142,7 @@ export class SwitchingCard {
     this.#note.textContent = !switches ? 'This law has no switching function.'
       : this.#running ? `${trials.length} of 3 runs …` : old ? 'Run before the last change.' : '';
     this.#table.hidden = !trials.length;
-    this.#way.hidden = !trials.length || this.#api.experiment.simulation?.mode !== 'continuous';
+    this.#way.hidden = !trials.length || experiment.simulation?.mode !== 'continuous';
     this.#body.replaceChildren(...trials.map((trial) => this.#row(trial, gains.switching)));
     this.#card.finding = finding(trials);
     this.#drawSpectra(look);
@@ -180,6 +185,13 @@ export class SwitchingCard {
       element('td', {}, use));
   }
 }
+
+/**
+ * @param {{[section: string]: any}} experiment
+ * @param {string} lane
+ * @returns {boolean} whether it has such a lane, and its law a switching function
+ */
+function switchesIn({lanes}, lane) { return 'switching' in (lanes?.[lane] ?? {}); }
 
 function heading() {
   const titles = ['', 'MAE mrad', 'max |e| mrad', 'variation N·m/s', '> 50 Hz N·m', 'switches /s', ''];

@@ -7,6 +7,7 @@ import {keyOf} from './lens_key.js';
 import {NetworkLens} from './lens_network.js';
 import {SlidingLens} from './lens_sliding.js';
 import {LiveTrail} from './live_trail.js';
+import {holdOf} from './panel_curves.js';
 import {PlotTabs} from './plot_tabs.js';
 import {RedrawPace} from './redraw_pace.js';
 import {recall, remember} from './remembered.js';
@@ -39,6 +40,7 @@ class Lenses {
   #message = element('p', {class: 'lens-message', role: 'status'});
   /** @type {HTMLButtonElement[]} */ #joints;
   #seen = '';
+  /** Of the experiment that the page shows. */ #revision;
   /** @type {any} */ #look = null;
   #busy = false;
   #since = -Infinity;
@@ -54,6 +56,7 @@ class Lenses {
    */
   constructor(root, api, desk) {
     this.#api = api;
+    this.#revision = api.revision;
     this.#root = root;
     const trail = new LiveTrail(api);
     this.#sliding = new SlidingLens({trail: (joint) => trail.of(joint)});
@@ -87,7 +90,12 @@ class Lenses {
 
   #listen() {
     for (const type of ['hello', 'patch', 'select']) {
-      this.#api.addEventListener(type, () => { this.#nameLane(); this.#refresh(); });
+      this.#api.addEventListener(type, (event) => {
+        // Other messages tell of the session, which may lag behind the experiment.
+        this.#revision = /** @type {CustomEvent} */ (event).detail.revision ?? this.#revision;
+        this.#nameLane();
+        this.#refresh();
+      });
     }
     this.#api.addEventListener('frame', () => {
       if (this.#lens === this.#sliding && this.#awake) this.#pace.request({least: LEAST_MS});
@@ -137,13 +145,20 @@ class Lenses {
 
   /** Look anew if anything has changed that the response depends on, though not too often. */
   #refresh() {
-    const {selected, connected, experiment} = this.#api;
+    const {selected, connected} = this.#api;
     if (!this.#awake || !connected || !selected || this.#busy || this.#timer) return;
     const key = this.#key();
-    if (key === this.#seen || !(selected in (experiment.lanes ?? {}))) return;
+    if (key === this.#seen || !this.#fits) return;
     const wait = this.#since + LEAST_MS - performance.now();
-    this.#timer = setTimeout(() => { this.#timer = 0; this.#fetch(); }, Math.max(wait, 0));
+    this.#timer = setTimeout(() => {
+      this.#timer = 0;
+      // They may have been hidden meanwhile, and a lane may have gone.
+      if (this.#root.checkVisibility() && this.#fits) this.#fetch();
+    }, Math.max(wait, 0));
   }
+
+  /** Whether there is such a lane: of other lanes the server may have told already. */
+  get #fits() { return this.#api.selected in (this.#api.experiment.lanes ?? {}); }
 
   #key() {
     const {experiment, selected} = this.#api;
@@ -152,16 +167,17 @@ class Lenses {
 
   async #fetch() {
     const {selected: lane} = this.#api;
-    const [key, {id}] = [this.#key(), this.#lens];
+    const [key, {id}, revision] = [this.#key(), this.#lens, this.#revision];
     const gains = this.#api.experiment.lanes?.[lane] ?? {};
+    const hold = holdOf(this.#api.experiment);
     this.#busy = true;
     this.#since = performance.now();
     this.#root.classList.add('is-busy');
     this.#status.textContent = 'computing …';
     try {
       const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
-      if (seen) this.#look = {id, lane, seen, gains};
-      this.#status.textContent = seen ? `whole response, rev ${seen.revision}` : '';
+      if (seen) this.#look = {id, lane, seen, gains, hold};
+      this.#status.textContent = seen ? `whole response, rev ${revision}` : '';
       this.#show();
     } catch (error) {
       this.#look = null;
@@ -184,10 +200,10 @@ class Lenses {
       this.#say(this.#api.connected ? 'Computing the whole response …' : 'Not connected.');
       return;
     }
-    const {lane, seen, gains} = look;
+    const {lane, seen, gains, hold} = look;
     const color = this.#api.lanes.find(({name}) => name === lane)?.color ?? '#808080';
     const nothing = this.#lens.show({
-      seen, lane, color, gains, joint: this.#joint, horizon: seen.horizon,
+      seen, lane, color, gains, hold, joint: this.#joint, horizon: seen.horizon,
     });
     this.#say(nothing ?? '', seen.frozen && `The response ends early. ${seen.frozen.cause}`);
   }

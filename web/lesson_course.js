@@ -3,8 +3,8 @@
 
 import {difference} from './merge_patch.js';
 
-/** @typedef {import('./api.js').Lesson} Lesson */
-/** @typedef {import('./api.js').LessonStep} LessonStep */
+/** @typedef {import('./lesson_document.js').Lesson} Lesson */
+/** @typedef {import('./lesson_document.js').LessonStep} LessonStep */
 /** @typedef {import('./merge_patch.js').Document} Document */
 /**
  * What there was before the lesson.
@@ -92,6 +92,12 @@ export class Course {
     this.standing = {...this.standing, guesses};
   }
 
+  /** @param {number} samples that the plots hold; 0: they follow the newest */
+  #closeUp(samples) { this.#api.dispatchEvent(new CustomEvent('samples', {detail: samples})); }
+
+  /** Leave the screen as anybody wants it who is in no lesson. */
+  end() { this.#closeUp(0); }
+
   /** Bring back the experiment that there was before the lesson. */
   async restore() {
     const {preset, experiment, lane, exaggeration, playing} = this.standing.before;
@@ -147,10 +153,11 @@ export class Course {
 
   /** Lane, tab and scale of the step. */
   #look() {
-    const {lane, view, exaggeration} = this.step;
+    const {lane, view, exaggeration, samples} = this.step;
     if (lane && lane in this.#api.experiment.lanes) this.#api.select(lane);
     if (exaggeration !== null) this.#api.view({exaggeration});
     if (view) this.#api.dispatchEvent(new CustomEvent('show', {detail: {tab: view}}));
+    this.#closeUp(samples);
   }
 
   /**

@@ -7,7 +7,7 @@ import {changes} from './lesson_changes.js';
 import {LessonQuestion} from './lesson_question.js';
 
 /** @typedef {import('./lesson_course.js').Course} Course */
-/** @typedef {import('./api.js').LessonSummary & import('./lesson_progress.js').Progress} Row */
+/** @typedef {import('./lesson_document.js').LessonSummary & import('./lesson_progress.js').Progress} Row */
 /**
  * @typedef {object} Actions what the panel asks for
  * @property {(name: string) => void} begin a lesson
@@ -22,6 +22,7 @@ import {LessonQuestion} from './lesson_question.js';
 /** One panel; `element` goes wherever it is to be seen. */
 export class LessonPanel {
   #actions;
+  #figures;
   #head = element('header', {class: 'lesson-head'});
   #body = element('div', {class: 'lesson-body'});
   #alert = element('div', {class: 'lesson-alert', role: 'alert'});
@@ -36,9 +37,13 @@ export class LessonPanel {
   /** @type {Course|null} */ #course = null;
   /** @type {HTMLButtonElement|null} */ #next = null;
 
-  /** @param {Actions} actions */
-  constructor(actions) {
+  /**
+   * @param {Actions} actions
+   * @param {import('./lesson_figures.js').LessonFigures} figures
+   */
+  constructor(actions, figures) {
     this.#actions = actions;
+    this.#figures = figures;
     this.element = element('section', {
       class: 'lesson', 'aria-label': 'Lessons', on: {keydown: (event) => this.#pressed(event)},
     }, this.#head, this.#body, this.#alert, this.#foot);
@@ -119,6 +124,9 @@ export class LessonPanel {
       this.#fold, this.#close());
     const id = freshId('lesson-step');
     const count = `Step ${index + 1} of ${lesson.steps.length}`;
+    // What is quoted before the answer stands above the question, and what it shows below it.
+    const asked = course.isAsking;
+    this.#figures.show((asked ? null : step.question?.figures) ?? step.figures);
     this.#question = step.question && new LessonQuestion(step.question, this.#actions.answer);
     this.#body.replaceChildren(
       element('div', {class: 'lesson-text'},
@@ -126,7 +134,8 @@ export class LessonPanel {
           element('small', {}, count), element('span', {}, step.title)),
         ...step.text.map((paragraph) => element('p', {}, paragraph)),
         step.question ? null : changes(step.changes)),
-      this.#question?.element ?? '',
+      ...(asked ? [this.#figures.element] : []), this.#question?.element ?? '',
+      ...(asked ? [] : [this.#figures.element]),
     );
     if (this.#question && !course.isAsking) this.#question.reveal(course.guess ?? null, step.changes);
     this.#foot.replaceChildren(...this.#buttons(course));
@@ -143,6 +152,8 @@ export class LessonPanel {
   reveal(course) {
     this.#alert.replaceChildren();
     this.#question?.reveal(course.guess ?? null, course.step.changes);
+    this.#figures.show(course.step.question?.figures ?? []);
+    this.#body.append(this.#figures.element);
     this.#foot.replaceChildren(...this.#buttons(course));
     this.#next?.focus();
     this.#question?.show();

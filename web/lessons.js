@@ -2,6 +2,7 @@
 /** Lessons: the list, the one that is under way, and the way back out of it. */
 
 import {Course, presentState} from './lesson_course.js';
+import {LessonFigures} from './lesson_figures.js';
 import {LessonPanel} from './lesson_panel.js';
 import {noteOpenLesson, noteProgress, openLesson, progressOf} from './lesson_progress.js';
 
@@ -23,15 +24,7 @@ class Lessons {
   /** @type {Course|null} */ #course = null;
   /** @type {Element|null} what had the focus before the panel was opened */ #former = null;
   #busy = false;
-  #panel = new LessonPanel({
-    begin: (name) => this.#begin(name),
-    move: (way) => this.#move(way),
-    answer: (choice) => this.#answer(choice),
-    retry: () => this.#enter(this.#course?.index ?? 0),
-    list: () => this.#leave({restore: true}),
-    keep: () => this.#leave({restore: false}),
-    close: () => this.#close(),
-  });
+  #panel;
 
   /**
    * @param {HTMLElement} workspace
@@ -44,6 +37,15 @@ class Lessons {
     this.#api = api;
     this.#history = history;
     this.#tell = tell;
+    this.#panel = new LessonPanel({
+      begin: (name) => this.#begin(name),
+      move: (way) => this.#move(way),
+      answer: (choice) => this.#answer(choice),
+      retry: () => this.#enter(this.#course?.index ?? 0),
+      list: () => this.#leave({restore: true}),
+      keep: () => this.#leave({restore: false}),
+      close: () => this.#close(),
+    }, new LessonFigures(api));
     api.addEventListener('learn', () => this.#toggle());
     if (openLesson()) api.addEventListener('hello', () => this.#resume(), {once: true});
   }
@@ -153,6 +155,7 @@ class Lessons {
     const course = this.#course;
     if (!course) return true;
     if (restore && !await this.#guarded(() => course.restore())) return false;
+    course.end();
     this.#course = null;
     noteOpenLesson(null);
     const action = {label: 'Undo', run: () => { this.#history.undo(); }};

@@ -104,14 +104,14 @@ export function threeDigits(value) {
 
 /**
  * @param {Margin|null} margin
- * @returns {string} γ and its border, or ρ where there is no γ
+ * @returns {string} γ and its border, or ρ where there is no γ; sign(S) has neither, nor an end
  */
 export function marginText(margin) {
   if (!margin) return '–';
   if (margin.gamma !== null) {
     return `${threeDigits(margin.gamma)} / ${margin.gamma_limit ? threeDigits(margin.gamma_limit) : '–'}`;
   }
-  return margin.radius === null ? '–' : `ρ ${margin.radius.toPrecision(DIGITS + 1)}`;
+  return margin.radius === null ? '∞' : `ρ ${margin.radius.toPrecision(DIGITS + 1)}`;
 }
 
 /**
@@ -121,7 +121,9 @@ export function marginText(margin) {
 export function marginWords(margin) {
   if (!margin) return 'only a sampled loop has a margin';
   const {radius, stable, bounded} = margin;
-  if (radius === null) return bounded ? 'sign(S) has no layer: it always chatters' : 'it diverges';
+  if (radius === null) return bounded
+    ? 'the gain of sign(S) at the surface has no bound: it always chatters'
+    : 'the gain of sign(S) at the surface has no bound: it diverges';
   const rho = `ρ = ${radius.toPrecision(DIGITS + 2)}`;
   if (stable) return `${rho}: small deviations die out`;
   return `${rho}, above 1: ${bounded ? 'a limit cycle' : 'the sampled loop diverges'}`;

@@ -3,6 +3,7 @@
 
 import {bucketSize, decimated, positions} from './decimate.js';
 import {amplitudeSpectrum, thinned} from './spectrum.js';
+import {calmOnTop} from './trace_order.js';
 import {valuesOf} from './trace_values.js';
 import {extent, wanted} from './y_range.js';
 
@@ -15,14 +16,16 @@ import {extent, wanted} from './y_range.js';
 /** @typedef {{x: number, y: number, text: string}} Cross */
 /** @typedef {{name?: string, width?: number, dash?: string, opacity?: number}} Look */
 /**
- * `look` says what the trace's role doesn't.
+ * `look` says what the trace's role doesn't; `steps`: each value holds until the next.
  * @typedef {{trace: Pick<Trace, 'lane'|'role'> & {look?: Look}, x: Float64Array|Float32Array,
- *   y: Float64Array|Float32Array, cross: Cross|null}} Curve
+ *   y: Float64Array|Float32Array, cross: Cross|null,
+ *   steps?: boolean}} Curve
  */
 /** @typedef {{panel: Panel, curves: Curve[], range: Range}} DrawnPanel */
 /**
  * @typedef {{ring: Ring, panels: Panel[], window: Range, pixels: number, ranges: YRanges,
- *   freezes: Map<string, Freeze>}} Sheet
+ *   freezes: Map<string, Freeze>, hold?: number}} Sheet `hold`: for so long in [s] a sampled
+ *   controller holds a torque, 0 where nothing is sampled
  */
 
 /**
@@ -31,22 +34,40 @@ import {extent, wanted} from './y_range.js';
  * @param {Sheet} sheet
  * @returns {DrawnPanel[]}
  */
-export function timePanels({ring, panels, window, pixels, ranges, freezes}) {
+export function timePanels({ring, panels, window, pixels, ranges, freezes, hold = 0}) {
   const [from, to] = rowsIn(ring, window);
   const size = ring.dt ? bucketSize((window[1] - window[0]) / ring.dt, pixels) : 1;
   const x = positions(from, to, size).map((row) => ring.timeOf(row));
+  // The extremes of a bucket are no samples: between them a line is right, a step would be made up.
+  const held = size === 1 && isSampledEvery(hold, ring.dt);
   return panels.map((panel) => {
     const curves = panel.traces.map((trace) => {
       const freeze = freezes.get(trace.lane);
       const last = freeze ? Math.min(to, ring.rowAt(freeze.time) + 1) : to;
       const values = valuesOf(ring, trace, from, Math.max(from, last));
       const cross = freeze ? crossAt(freeze, values, window, ring) : null;
-      return {trace, x, y: decimated(values, from, size), cross};
+      const steps = held && Boolean(trace.held);
+      return {trace, x, y: decimated(values, from, size), cross, steps};
     });
     const range = ranges.linear(panel.id, dataRange(curves, freezes), panel);
     for (const {cross} of curves) if (cross) cross.y = within(cross.y, range);
-    return {panel, curves, range};
+    return {panel, curves: calmOnTop(curves), range};
   });
+}
+
+/**
+ * @param {number} hold for so long in [s] a torque is held, 0 where nothing is sampled
+ * @param {number} dt between two points in [s]
+ * @returns {boolean} whether each point is one sample
+ */
+export function isSampledEvery(hold, dt) { return hold > 0 && Math.abs(dt / hold - 1) < 1e-3; }
+
+/**
+ * @param {{simulation?: {mode: string, control_rate: number}}} experiment
+ * @returns {number} for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled
+ */
+export function holdOf({simulation}) {
+  return simulation?.mode === 'sampled' ? 1 / simulation.control_rate : 0;
 }
 
 /**

@@ -26,7 +26,7 @@ const MILLIMETRES = 1000;
  * @param {string} lane
  * @param {string} label
  * @param {[string, string, number|string][]} channels lane, group and joint of each column
- * @param {{role?: 'actual'|'desired', rule?: Rule, scale?: number}} [how]
+ * @param {{role?: 'actual'|'desired', rule?: Rule, scale?: number, held?: boolean}} [how]
  * @returns {Trace[]} none when the server doesn't send the channels
  */
 function traces(source, lane, label, channels, how = {}) {
@@ -41,17 +41,18 @@ function traces(source, lane, label, channels, how = {}) {
  * @param {string} group
  * @param {string} quantity
  * @param {string} unit
- * @param {(lane: string, source: Source) => boolean} [shown] which lanes have it
+ * @param {{held?: boolean, shown?: (lane: string, source: Source) => boolean}} [how] whether a
+ *   sampled controller holds it from one sample to the next, and which lanes have it
  * @returns {(source: Source) => Panel[]}
  */
-function perJoint(group, quantity, unit, shown = () => true) {
+function perJoint(group, quantity, unit, {held = false, shown = () => true} = {}) {
   return (source) => source.joints.map((joint) => ({
     id: `${group}${joint}`,
     title: `joint ${joint}`,
     quantity,
     unit,
     traces: source.lanes.filter((lane) => shown(lane, source)).flatMap((lane) => (
-      traces(source, lane, `${quantity} joint ${joint} ${lane}`, [[lane, group, joint]])
+      traces(source, lane, `${quantity} joint ${joint} ${lane}`, [[lane, group, joint]], {held})
     )),
   }));
 }
@@ -134,8 +135,8 @@ function flangeError(source) {
 function network(source) {
   const shown = (/** @type {string} */ lane) => source.hasNetwork(lane);
   if (!source.lanes.some(shown)) return [];
-  const outputs = perJoint('f', 'f', 'N·m', shown)(source);
-  const weights = perJoint('weights', 'norm of W', 'N·m', shown)(source);
+  const outputs = perJoint('f', 'f', 'N·m', {shown, held: true})(source);
+  const weights = perJoint('weights', 'norm of W', 'N·m', {shown})(source);
   return outputs.flatMap((output, index) => [output, {...weights[index], positive: true}]);
 }
 
@@ -146,7 +147,7 @@ export const VIEWS = [
     panels: besideDesired('q_d', 'e', 'q', 'rad')},
   {id: 'velocity', title: 'Velocity', joints: true,
     panels: besideDesired('v_d', 'de', 'v', 'rad/s')},
-  {id: 'torque', title: 'Torque', joints: true, panels: perJoint('tau', 'τ', 'N·m')},
+  {id: 'torque', title: 'Torque', joints: true, panels: perJoint('tau', 'τ', 'N·m', {held: true})},
   {id: 'surface', title: 'Surface', joints: true, panels: perJoint('S', 'S', 'rad/s')},
   {id: 'network', title: 'Network', joints: true, panels: network,
     empty: 'No lane has a neural network.'},

@@ -48,11 +48,16 @@ export function moved([from, to], {shift = 0, factor = 1}) {
   return [middle - half, middle + half];
 }
 
+/** Time in [s] after which a close-up is taken: what the start itself does has died away (*ours*). */
+const SETTLED = 1;
+
 /** The visible window. */
 export class PlotWindow {
   /** Seconds shown while following. */
   length = 10;
   /** @type {Range|null} Seconds shown while held. */ #held = null;
+  /** Samples of the close-up that was asked for. */ #samples = 0;
+  /** The same until it is taken. */ #wanted = 0;
   /** @type {Map<string, Range>} Axes that the user zoomed, of the tab on the screen. */
   zoomed = new Map();
 
@@ -72,7 +77,42 @@ export class PlotWindow {
   }
 
   /** @param {Range} range in [s] */
-  hold(range) { this.#held = [...range]; }
+  hold(range) {
+    this.#held = [...range];
+    this.#wanted = 0;
+    this.#samples = 0;
+  }
+
+  /**
+   * Hold so many samples, as soon as there are any that are settled.
+   *
+   * @param {number} samples 0: follow the newest
+   */
+  closeUp(samples) {
+    this.follow();
+    this.#wanted = samples;
+    this.#samples = samples;
+  }
+
+  /** Time begins anew; a close-up is taken again. */
+  restarted() {
+    const samples = this.#samples;
+    this.follow();
+    this.closeUp(samples);
+  }
+
+  /**
+   * Take the close-up that is wanted, where it can be taken.
+   *
+   * @param {Ring} ring
+   * @returns {boolean} whether it was
+   */
+  settle(ring) {
+    if (!this.#wanted || ring.empty || ring.newest < SETTLED) return false;
+    this.#wanted = 0;
+    this.#held = [ring.newest - this.#samples * ring.dt, ring.newest];
+    return true;
+  }
 
   /**
    * Hold what is seen, moved or magnified.
@@ -87,6 +127,8 @@ export class PlotWindow {
   /** Show the newest again. */
   follow() {
     this.#held = null;
+    this.#wanted = 0;
+    this.#samples = 0;
     this.zoomed.clear();
   }
 }

@@ -7,7 +7,7 @@ import {element} from './element.js';
 import {ALL_JOINTS} from './joint_toggles.js';
 import {liveReadings} from './live_readings.js';
 import {LookLine} from './look_line.js';
-import {spectrumPanels, timePanels} from './panel_curves.js';
+import {holdOf, spectrumPanels, timePanels} from './panel_curves.js';
 import {Canvas} from './plot_canvas.js';
 import {PlotLegend} from './plot_legend.js';
 import {PlotTabs} from './plot_tabs.js';
@@ -53,6 +53,7 @@ class Plots {
    */
   constructor(root, api) {
     this.#api = api;
+    api.kept = this.#ring;
     const stage = element('div', {
       class: 'plots-stage', tabindex: 0,
       'aria-keyshortcuts': 'Shift+ArrowLeft Shift+ArrowRight Shift+ArrowUp Shift+ArrowDown Escape',
@@ -67,7 +68,9 @@ class Plots {
     });
     this.looked = new LookLine(stage, api, (time) => this.#look(time));
     this.cursors = new Cursors(stage, api, {
-      read: (time) => liveReadings(this.#ring, this.#panels(), this.#freezes, time),
+      read: (time) => liveReadings(
+        this.#ring, this.#panels(), this.#freezes, time, holdOf(this.#api.experiment),
+      ),
       changed: () => this.#show(),
     });
     this.cursors.readout.colorOf = (lane) => (
@@ -107,6 +110,10 @@ class Plots {
     on('frame', (frame) => this.#frame(frame));
     on('select', () => this.#show());
     on('show', ({tab}) => { if (VIEWS.some(({id}) => id === tab)) this.#choose(tab); });
+    on('samples', (samples) => {
+      this.#window.closeUp(samples);
+      this.#show();
+    });
     on('joint', (joint) => {
       if (this.#view.joints && this.tabs.element.checkVisibility()) this.#toggleJoint(joint);
     });
@@ -146,6 +153,7 @@ class Plots {
     const before = this.#ring.end;
     this.#ring.append(frame);
     this.#noticeRestart();
+    if (this.#window.settle(this.#ring)) this.#show();
     const unseen = this.#window.live || before === 0
       || this.#ring.timeOf(before) < this.#window.range(this.#ring)[1];
     if (unseen) this.#request();
@@ -156,7 +164,7 @@ class Plots {
     this.#restarts = this.#ring.restarts;
     this.#marks.clear();
     this.canvas.forgetRanges();
-    this.#window.follow();
+    this.#window.restarted();
     this.#show();
   }
 
@@ -278,7 +286,7 @@ class Plots {
       panels,
       window,
       zoomed: this.#window.zoomed,
-      curves: (room) => build({...room, ring, panels, window, freezes}),
+      curves: (room) => build({...room, ring, panels, window, freezes, hold: holdOf(this.#api.experiment)}),
       message: messageFor(ring, view, panels, window),
       marks: view.spectrum ? [] : this.#marks.of(ring),
       colors: new Map(lanes.map(({name, color}) => [name, color])),

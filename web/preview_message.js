@@ -20,7 +20,8 @@
  *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
  */
 /**
- * @typedef {{revision: number, quick: boolean, horizon: number,
+ * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled.
+ * @typedef {{revision: number, quick: boolean, horizon: number, hold: number,
  *   lanes: Map<string, LaneResponse>}} Response
  */
 
@@ -50,5 +51,5 @@ export function decodedResponse(buffer) {
     offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
     lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
   }
-  return {revision: head.revision, quick: head.quick, horizon: head.horizon, lanes};
+  return {revision: head.revision, quick: head.quick, horizon: head.horizon, hold: head.hold, lanes};
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** The points of whole responses to draw: the current one of each lane over its baselines. */
 
+import {isSampledEvery} from './panel_curves.js';
+import {calmOnTop} from './trace_order.js';
 import {extent, wanted} from './y_range.js';
 
 /** @typedef {import('./preview_message.js').LaneResponse} LaneResponse */
@@ -34,7 +36,8 @@ export function responsePanels(sheet, ranges) {
     const {now, then} = tracesOf(sheet, panel);
     // The current response lies over its baselines.
     const traces = [...then, ...now];
-    const curves = traces.map(({curve}) => curve);
+    const over = (/** @type {Traced[]} */ list) => calmOnTop(list.map(({curve}) => curve));
+    const curves = [...over(then), ...over(now)];
     const range = ranges.linear(panel.id, dataRange(traces, sheet.window), panel);
     for (const {cross} of curves) {
       if (cross) cross.y = Math.min(Math.max(cross.y, range[0]), range[1]);
@@ -53,10 +56,10 @@ export function responsePanels(sheet, ranges) {
 export function responseReadings(sheet, time) {
   return sheet.panels.flatMap((panel) => {
     const {now, then} = tracesOf(sheet, panel);
-    return [...now, ...then].map(({lane, curve: {trace, y}}) => ({
+    return [...now, ...then].map(({lane, curve: {trace, y, steps}}) => ({
       lane: trace.lane, label: trace.look?.name ?? trace.lane,
       panel: `${panel.title} ${panel.quantity}`, unit: panel.unit,
-      value: valueAt(lane.time, y, time),
+      value: valueAt(lane.time, y, time, steps),
     }));
   });
 }
@@ -69,7 +72,7 @@ export function responseReadings(sheet, time) {
 function tracesOf({current, pinned, shows}, panel) {
   const drawn = (/** @type {Response} */ response, /** @type {(lane: string) => object} */ how) => (
     [...response.lanes.values()].filter(({name}) => shows(name))
-      .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name))}))
+      .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name), response.hold)}))
   );
   const dash = pinned.length ? DASHES : 'solid';
   return {
@@ -88,14 +91,17 @@ function tracesOf({current, pinned, shows}, panel) {
  * @param {LaneResponse} lane
  * @param {ResponsePanel} panel
  * @param {object} how role and look
+ * @param {number} hold for so long in [s] a torque is held, 0 where nothing is sampled
  * @returns {Curve}
  */
-function curveOf({name, time, columns, frozen}, {channel, scale}, how) {
+function curveOf({name, time, columns, frozen}, {channel, scale, held = false}, how, hold) {
   const column = columns.get(channel) ?? new Float32Array(time.length).fill(NaN);
   const y = scale === 1 ? column : column.map((value) => value * scale);
   const cross = frozen && {x: frozen.time, y: lastFinite(y), text: frozen.cause};
   const trace = /** @type {Curve['trace']} */ ({lane: name, ...how});
-  return {trace, x: time, y, cross: cross && Number.isFinite(cross.y) ? cross : null};
+  // A long run arrives thinned to its extremes, which are no samples any more.
+  const steps = held && isSampledEvery(hold, (time[time.length - 1] - time[0]) / (time.length - 1));
+  return {trace, x: time, y, cross: cross && Number.isFinite(cross.y) ? cross : null, steps};
 }
 
 /** @param {ArrayLike<number>} values */
@@ -140,14 +146,15 @@ function rowAt(times, time) {
  * @param {ArrayLike<number>} times rising
  * @param {ArrayLike<number>} values
  * @param {number} time
+ * @param {boolean} [steps] whether each value holds until the next
  * @returns {number|null} on the line between two points, null where there is none
  */
-export function valueAt(times, values, time) {
+export function valueAt(times, values, time, steps = false) {
   const right = rowAt(times, time);
   if (right >= times.length || (right === 0 && times[0] > time)) return null;
   const left = Math.max(0, right - 1);
   const span = times[right] - times[left];
-  const share = span > 0 ? (time - times[left]) / span : 1;
+  const share = steps && time < times[right] ? 0 : span > 0 ? (time - times[left]) / span : 1;
   const value = values[left] + share * (values[right] - values[left]);
   return Number.isFinite(value) ? value : null;
 }

@@ -4,7 +4,8 @@
 /**
  * One of the stacked plots: a channel of every lane.
  * @typedef {{id: string, title: string, quantity: string, unit: string, channel: string,
- *   scale: number, positive?: boolean}} ResponsePanel
+ *   scale: number, positive?: boolean, held?: boolean}} ResponsePanel `held`: a sampled controller
+ *   holds it from one sample to the next
  */
 /**
  * @typedef {{id: string, title: string, joints: boolean,
@@ -17,19 +18,20 @@ const MILLIMETRES = 1000;
  * @param {string} stem of the channel
  * @param {string} quantity
  * @param {string} unit
+ * @param {boolean} [held] from one sample to the next
  * @returns {(joints: number[]) => ResponsePanel[]}
  */
-function perJoint(stem, quantity, unit) {
+function perJoint(stem, quantity, unit, held = false) {
   return (joints) => joints.map((joint) => ({
     id: `${stem}${joint}`, title: `joint ${joint}`, quantity, unit, channel: `${stem}${joint}`,
-    scale: 1,
+    scale: 1, held,
   }));
 }
 
 /** @type {ResponseView[]} */
 export const RESPONSE_VIEWS = [
   {id: 'error', title: 'Error', joints: true, panels: perJoint('e', 'e', 'rad')},
-  {id: 'torque', title: 'Torque', joints: true, panels: perJoint('tau', 'τ', 'N·m')},
+  {id: 'torque', title: 'Torque', joints: true, panels: perJoint('tau', 'τ', 'N·m', true)},
   {id: 'surface', title: 'Surface', joints: true, panels: perJoint('S', 'S', 'rad/s')},
   {
     id: 'flange-error', title: 'Flange error', joints: false,

@@ -8,9 +8,10 @@
  * @typedef {'value'|'difference'|'distance'} Rule
  */
 /**
- * `role`: another than these two begins with `baseline`.
+ * `role`: another than these two begins with `baseline`. `held`: a sampled controller holds it from
+ * one sample to the next.
  * @typedef {{lane: string, role: 'actual'|'desired'|string, label: string, places: number[],
- *   rule: Rule, scale: number}} Trace
+ *   rule: Rule, scale: number, held?: boolean}} Trace
  */
 
 /**

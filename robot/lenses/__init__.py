@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
 from robot.lenses import chattering, network_view, sliding_mode
@@ -13,7 +15,7 @@ from robot.packed import Packed, pack
 from robot.response import only_lane
 from robot.simulate import LaneRun, simulate
 
-Lens = Callable[[Packed, str, LaneRun], Any]
+Lens = Callable[[Packed, str, LaneRun, LaneRun | None], Any]
 
 LENSES: dict[str, Lens] = {
     "sliding": sliding_mode.look,
@@ -21,6 +23,9 @@ LENSES: dict[str, Lens] = {
     "chattering": chattering.look,
 }
 """Every lens by name; each returns a dataclass of arrays, or ``None`` where it has no object."""
+
+NOISY = frozenset({"sliding", "chattering"})
+"""Lenses that also look at a run without sensor noise."""
 
 
 def only_known_lane(experiment: Experiment, lane: str) -> Experiment:
@@ -34,6 +39,15 @@ def only_known_lane(experiment: Experiment, lane: str) -> Experiment:
         text = f"no lane is named {lane}; there are: {known}"
         raise InvalidExperimentError([FieldError("lane", text, lane)])
     return only_lane(experiment, lane)
+
+
+def without_sensor_noise(experiment: Experiment) -> Experiment | None:
+    """Return the experiment with exact sensors, ``None`` where it has them already."""
+    noise = experiment.disturbance.sensor_noise
+    if not np.any(noise.position) and not np.any(noise.velocity):
+        return None
+    quiet = {"sensor_noise": {"position": 0.0, "velocity": 0.0}}
+    return experiment.patched({"disturbance": quiet})
 
 
 def look_through(
@@ -60,9 +74,14 @@ def look_through(
     """
     alone = only_known_lane(experiment, lane)
     run = simulate(alone, cancelled=cancelled, estimate=False).lanes[lane]
+    # What is left of restlessness without noise is the loop's own: a second run tells them apart.
+    calm = without_sensor_noise(alone) if NOISY & set(lenses) else None
+    quiet = None
+    if calm is not None:
+        quiet = simulate(calm, cancelled=cancelled, estimate=False).lanes[lane]
     packed, freeze = pack(alone), run.freeze
     frozen = None
     if freeze is not None:
         frozen = {"time": freeze.time, "joint": freeze.joint, "cause": freeze.cause}
-    seen = {name: document(LENSES[name](packed, lane, run)) for name in lenses}
+    seen = {name: document(LENSES[name](packed, lane, run, quiet)) for name in lenses}
     return {"horizon": alone.simulation.horizon, "frozen": frozen, **seen}

@@ -47,6 +47,7 @@ class ChatteringView:
         above: effective torque above 50 Hz, root sum of squares over the joints in [N m].
         mae: mean absolute error over all joints in [rad].
         max_error: greatest error in [rad].
+        quiet: the same of a run without sensor noise, ``None`` where there is no such noise.
     """
 
     limit: float
@@ -57,6 +58,7 @@ class ChatteringView:
     above: float | None
     mae: float
     max_error: float
+    quiet: ChatteringView | None = None
 
 
 def switches_per_second(sliding: Array, period: float) -> Array:
@@ -85,13 +87,14 @@ def _slices(frequency: Array, density: Array) -> tuple[Array, Array]:
     return frequency[starts], np.maximum.reduceat(density, starts, axis=0)
 
 
-def look(packed: Packed, name: str, run: LaneRun) -> ChatteringView:
+def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) -> ChatteringView:
     """Look at a lane's run through the chattering lens.
 
     Args:
         packed: the experiment as numbers.
         name: the lane.
         run: what it did.
+        quiet: what it did without sensor noise, where there is any.
     """
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     period = packed.experiment.simulation.row_period
@@ -123,4 +126,5 @@ def look(packed: Packed, name: str, run: LaneRun) -> ChatteringView:
         above=metrics.high_frequency_torque,
         mae=float(np.mean(metrics.mae)),
         max_error=float(np.max(metrics.max_error)),
+        quiet=None if quiet is None else look(packed, name, quiet),
     )

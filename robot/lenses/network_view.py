@@ -134,13 +134,16 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def look(packed: Packed, name: str, run: LaneRun) -> NetworkView | None:
+def look(
+    packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None
+) -> NetworkView | None:
     """Look at a lane's run through the network lens.
 
     Args:
         packed: the experiment as numbers.
         name: the lane.
         run: what it did.
+        quiet: what it did without sensor noise; not looked at.
 
     Returns:
         ``None`` where the law has no network.

@@ -71,6 +71,7 @@ class SlidingView:
         outside: share of the time in which some S is outside its layer.
         turns: how often a second V turns between growing and falling.
         growing_outside: share of that time in which V grows; ``None`` where there is none.
+        quiet_turns: turns a second in a run without sensor noise; ``None`` where there is none.
     """
 
     joints: tuple[SlidingJoint, ...]
@@ -81,6 +82,7 @@ class SlidingView:
     outside: float
     turns: float
     growing_outside: float | None
+    quiet_turns: float | None = None
 
 
 def sliding_curve(packed: Packed, name: str, de: Array) -> Array:
@@ -138,13 +140,14 @@ def _share(chosen: Array) -> float:
     return float(np.mean(chosen)) if len(chosen) else 0.0
 
 
-def look(packed: Packed, name: str, run: LaneRun) -> SlidingView:
+def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) -> SlidingView:
     """Look at a lane's run through the sliding-mode lens.
 
     Args:
         packed: the experiment as numbers.
         name: the lane.
         run: what it did.
+        quiet: what it did without sensor noise, where there is any.
     """
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     time, S = run.time[:rows], run.S[:rows]
@@ -171,20 +174,38 @@ def look(packed: Packed, name: str, run: LaneRun) -> SlidingView:
                 time_constant=float(S_V[j] / S_E[j]),
             )
         )
-    return SlidingView(tuple(joints), *_growth(packed, run, rows, outside.any(axis=1)))
+    growth = _growth(packed, run, rows, outside.any(axis=1))
+    quiet_turns = None if quiet is None else _turns(packed, quiet)
+    return SlidingView(tuple(joints), *growth, quiet_turns)
 
 
 def _growth(
     packed: Packed, run: LaneRun, rows: int, outside: Array
 ) -> tuple[Array, Array, Array, float, float, float, float | None]:
     """Return what ``SlidingView`` says of V, in its order."""
-    chosen = every_few(rows, ENERGY_ROWS)
-    time = run.time[chosen]
-    V = energy(packed, run.q[chosen], run.S[chosen])
-    dV = np.gradient(V, time) if len(V) > 1 else np.zeros(len(V))
-    grows, beyond = dV > 0.0, outside[chosen]
+    chosen, V, dV = _energy_over_time(packed, run, rows)
+    time, grows, beyond = run.time[chosen], dV > 0.0, outside[chosen]
     instants, columns = thinned(time, np.column_stack([V, dV]))
     growing_outside = _share(grows[beyond]) if beyond.any() else None
-    turns = float(np.count_nonzero(np.diff(grows)) / max(float(np.ptp(time)), 1e-9))
+    turns = _turns_of(time, grows)
     shares = _share(grows), _share(beyond), turns, growing_outside
     return instants, columns[0], columns[1], *shares
+
+
+def _energy_over_time(packed: Packed, run: LaneRun, rows: int) -> tuple[Array, Array, Array]:
+    """Return the rows looked at, V there and its derivative."""
+    chosen = every_few(rows, ENERGY_ROWS)
+    V = energy(packed, run.q[chosen], run.S[chosen])
+    dV = np.gradient(V, run.time[chosen]) if len(V) > 1 else np.zeros(len(V))
+    return chosen, V, dV
+
+
+def _turns_of(time: Array, grows: Array) -> float:
+    return float(np.count_nonzero(np.diff(grows)) / max(float(np.ptp(time)), 1e-9))
+
+
+def _turns(packed: Packed, run: LaneRun) -> float:
+    """Return how often a second V turns between growing and falling."""
+    rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
+    chosen, _, dV = _energy_over_time(packed, run, rows)
+    return _turns_of(run.time[chosen], dV > 0.0)

@@ -30,6 +30,9 @@ class LensRequest(Strict):
     patch: dict[str, Any] = Field(
         {}, description="Merge patch to the live experiment, such as another switching function."
     )
+    experiment: dict[str, Any] | None = Field(
+        None, description="Another experiment than the live one, whole, to which the patch goes."
+    )
     lenses: list[LensName] = Field(
         ["sliding", "network", "chattering"],
         min_length=1,
@@ -50,9 +53,14 @@ def lens_router(studio: Studio) -> APIRouter:
         ``network``: the Gaussians over the inputs visited, the weights, and f beside the torque
         that an exact model would have needed; ``null`` without a network.
         ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
+
+        Where sensors are noisy, ``chattering.quiet`` and ``sliding.quiet_turns`` tell the same of a
+        run with exact ones.
         """
         revision = studio.document.revision
-        experiment = only_known_lane(studio.experiment_of(None, wanted.patch), wanted.lane)
+        experiment = only_known_lane(
+            studio.experiment_of(wanted.experiment, wanted.patch), wanted.lane
+        )
         refuse_if_costly(experiment)
         turn = f"lens {request.client.host if request.client else ''}"
         arguments = experiment, wanted.lane, wanted.lenses

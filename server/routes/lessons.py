@@ -30,6 +30,22 @@ class LessonList(BaseModel):
     lessons: list[LessonSummary]
 
 
+class LessonFigure(BaseModel):
+    """One quoted figure, and what to measure in the live session beside it."""
+
+    label: str
+    window: str = Field(description="Over which time, in words.")
+    quoted: str
+    unit: str
+    metric: str
+    lane: str
+    joint: int | None = Field(description="null: all of them.")
+    since: float
+    until: float
+    at: float | None
+    layer: list[float] = Field(description="Within which S counts as reached [rad/s].")
+
+
 class LessonQuestion(BaseModel):
     """A prediction to be made before the step's change is."""
 
@@ -37,6 +53,7 @@ class LessonQuestion(BaseModel):
     choices: list[str]
     answer: int = Field(description="Place of the right choice, counted from 0.")
     explanation: list[str] = Field(description="Paragraphs.")
+    figures: list[LessonFigure] = Field(description="Those of text and explanation, answered.")
 
 
 class LessonChange(BaseModel):
@@ -56,10 +73,12 @@ class LessonStep(BaseModel):
     preset: str = Field(description="Where the experiment comes from.")
     experiment: dict[str, Any] = Field(description="What the step is about, whole.")
     changes: list[LessonChange]
+    figures: list[LessonFigure] = Field(description="Those of the text, before any answer.")
     lane: str = Field(description="Lane to select; empty: leave it.")
     view: View | None = Field(description="Tab of the plots to open.")
     exaggeration: float | None
     reset: bool = Field(description="Whether time starts again at 0.")
+    samples: int = Field(description="Hold the plots on so many samples; 0: follow the newest.")
     question: LessonQuestion | None
 
 

@@ -70,7 +70,8 @@ def preview_router(studio: Studio) -> APIRouter:
             shown = responses if wanted.show else {}
             studio.view.show_responses({name: r.path for name, r in shown.items()})
         horizon = experiment.simulation.horizon
-        head = {"revision": revision, "quick": wanted.quick, "horizon": horizon}
+        hold = experiment.simulation.hold
+        head = {"revision": revision, "quick": wanted.quick, "horizon": horizon, "hold": hold}
         return Response(encode_responses(head, responses), media_type=BINARY)
 
     return router

@@ -188,6 +188,7 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     page.mouse.click(*middle)
     until(dashboard, "sign", "epsilon", 1.0)
     assert len(values["x"]) == 13
+    expect(costs.locator(".lens-finding")).to_contain_text("The knee is at ε")
 
 
 def test_three_switching_functions_are_compared(page: Page, dashboard: Dashboard) -> None:
@@ -204,6 +205,26 @@ def test_three_switching_functions_are_compared(page: Page, dashboard: Dashboard
     expect(three.locator(".legendtext")).to_have_text(["sign", "saturation", "tanh"])
 
 
+def test_a_comparison_survives_that_its_lane_goes_away(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Chattering", "chattering-sign")
+    three = card(page, "Sign, saturation, tanh")
+
+    def load_another(request: Request) -> None:
+        if "saturation" in (request.post_data or ""):
+            return
+        dashboard.client.post("api/presets/paper/load").raise_for_status()
+
+    answers: list[int] = []
+    page.on("response", lambda one: answers.append(one.status) if "/lens" in one.url else None)
+    page.once("request", load_another)
+    three.get_by_role("button", name="Compare the three").click()
+    expect(page.locator(".lens-lane")).not_to_have_text("sign")
+    expect(three.get_by_role("button", name="Compare the three")).to_be_visible(timeout=60_000)
+    expect(page.locator(".lenses.is-busy")).to_have_count(0, timeout=60_000)
+    assert answers
+    assert set(answers) <= {200, 204}
+
+
 def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
     page: Page, dashboard: Dashboard
 ) -> None:
@@ -217,6 +238,69 @@ def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
     expect(page.locator(".preset-name")).to_have_text("chattering-tanh")
     page.keyboard.press("Control+z")
     expect(page.locator(".preset-name")).to_have_text("paper")
+
+
+def test_noise_of_the_sensors_is_not_called_chattering(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Chattering", "realistic")
+    title = "Where the torque lies in frequency"
+    quiet = card(page, title).locator(".lens-facts").get_by_text("without sensor noise")
+    verdict = card(page, title).locator(".lens-finding")
+    for lane in experiment(dashboard)["lanes"]:
+        page.locator(".metrics-lane").get_by_text(lane, exact=True).click()
+        expect(page.locator(".lens-lane")).to_have_text(lane)
+        expect(verdict).to_contain_text("Sensor noise, no chattering")
+        expect(verdict).to_contain_text("k_d" if lane == "Computed torque" else "ε")
+        expect(quiet).to_have_count(1)
+    # The law that was looked at last has neither a layer nor anything that switches.
+    expect(verdict).not_to_contain_text("ε")
+    page.get_by_role("tab", name="Sliding mode").click()
+    turning = card(page, "Does V fall?")
+    expect(turning.locator(".lens-facts")).to_contain_text("without sensor noise")
+    expect(turning).to_contain_text("it is the noise that trembles")
+    expect(turning).not_to_contain_text("chattering")
+
+
+def test_a_restless_law_that_never_switches_is_not_told_to_widen_its_layer(
+    page: Page, dashboard: Dashboard
+) -> None:
+    page.goto(dashboard.url)
+    told = page.evaluate(
+        """async () => {
+          const {chatteringFinding, energyFinding} = (
+            await import('/static/lens_verdicts.js'));
+          const seen = {frequency: [1], switches: 9, above: 3, mae: 1e-3, quiet: null};
+          const sliding = {turns: 400, quiet_turns: null, outside: 0, joints: []};
+          const exact = {kp: 100, kd: 900};
+          const thin = {k1: 8, k2: 5, epsilon: 1e-3, switching: 'tanh'};
+          return [chatteringFinding(seen, exact), energyFinding(sliding, 1, exact),
+            energyFinding(sliding, 1, thin)];
+        }"""
+    )
+    assert all("Nothing switches" in text or "nothing that switches" in text for text in told)
+    assert "ε" not in told[0] + told[1]
+    assert not any("That is chattering" in text for text in told)
+
+
+def test_gain_of_sign_is_told_to_have_no_bound(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Chattering", "chattering-sign")
+    row = page.locator(".metrics-table tbody tr", has_text="sign")
+    margin = row.locator(".metrics-gamma")
+    expect(margin).to_have_text("∞")
+    expect(margin).to_have_attribute("title", re.compile("no bound"))
+
+
+def test_knee_is_the_point_that_bends_farthest(page: Page, dashboard: Dashboard) -> None:
+    page.goto(dashboard.url)
+    found = page.evaluate(
+        """async () => {
+          const {knee} = await import('/static/lens_knee.js');
+          const rows = (list) => list.map(([value, mae, chattering]) => ({value, mae, chattering}));
+          return [knee(rows([[1, 1, 1e5], [2, 1.1, 1e4], [3, 1.2, 100], [4, 4, 90], [5, 40, 80]])),
+            knee(rows([[1, 1, 1000], [2, 10, 100], [3, 100, 10]]))];
+        }"""
+    )
+    assert found[0]["value"] == 3
+    assert found[1] is None
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

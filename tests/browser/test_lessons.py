@@ -88,6 +88,76 @@ def test_the_lesson_on_chattering_goes_to_its_end_and_back(
     expect(page.locator(".preset-name")).to_have_text("paper")
 
 
+PANELS = """() => {
+  const graph = document.querySelector('#plots .plots-graph');
+  if (!graph?.data) return null;
+  const [from, to] = graph.layout.xaxis.range;
+  const lines = graph.data.filter(({yaxis, mode, uid}) => (
+    yaxis === 'y' && mode === 'lines' && uid.startsWith('actual')));
+  return {samples: Math.round(1000 * (to - from)), points: lines.map(({x}) => x.length),
+    shapes: lines.map(({line}) => line.shape), names: lines.map(({name}) => name)};
+}"""
+"""What the first panel of the live plots shows."""
+
+
+def panels(page: Page, **wanted: Any) -> dict[str, Any]:
+    """Return what the plots show once they show this."""
+    end = time.monotonic() + DEADLINE
+    while not (seen := page.evaluate(PANELS)) or not wanted.items() <= seen.items():
+        assert time.monotonic() < end, seen
+        time.sleep(0.1)
+    shown: dict[str, Any] = seen
+    return shown
+
+
+def test_the_lesson_on_chattering_zooms_to_twenty_steps_of_torque_and_lets_go(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    page = learner
+    begin(page, "chattering")
+    page.keyboard.press("ArrowRight")
+    at_step(page, 2)
+    page.get_by_role("button", name="Skip the guess").click()
+    expect(page.locator(".lesson-verdict")).to_contain_text("What happens")
+    # The block of the lane that chatters lies behind, the calm lane in front.
+    panels(page, samples=10_000, names=["sign", "tanh"])
+    page.keyboard.press("ArrowRight")
+    at_step(page, 3)
+    close = panels(page, samples=20)
+    assert close["shapes"] == ["hv", "hv"]
+    assert close["points"] == [21, 21]
+    page.get_by_role("button", name="Close").click()
+    expect(page.locator(".lesson")).to_have_count(0)
+    panels(page, samples=10_000)
+
+
+def test_a_quoted_figure_stands_beside_the_live_one_of_the_same_time(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    page = learner
+    dashboard.client.patch("api/session", json={"speed": 10.0}).raise_for_status()
+    lesson = dashboard.client.get("api/lessons/chattering").json()
+    for number, kind in ((1, "figures"), (2, "question")):
+        page.keyboard.press("ArrowRight") if number > 1 else begin(page, "chattering")
+        at_step(page, number)
+        if kind == "question":
+            page.get_by_role("button", name="Skip the guess").click()
+        step = lesson["steps"][number - 1]
+        figures = step["figures"] if kind == "figures" else step["question"]["figures"]
+        rows = page.locator(".lesson-figures tbody tr")
+        expect(rows).to_have_count(len(figures))
+        expect(page.locator(".lesson-figures .is-final")).to_have_count(
+            len(figures), timeout=60_000
+        )
+        for row, figure in zip(rows.all(), figures, strict=True):
+            shown = float(row.locator("td").last.inner_text().replace(",", "").split()[0])
+            number = float(figure["quoted"].strip("<> ").replace(",", ""))
+            if figure["quoted"].startswith(">"):
+                assert shown > number
+            else:
+                assert shown == pytest.approx(number, rel=0.025)
+
+
 def test_a_lesson_can_be_left_at_any_step_and_survives_a_reload(
     learner: Page, dashboard: Dashboard
 ) -> None:

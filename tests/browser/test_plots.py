@@ -39,8 +39,8 @@ async (turns) => {
   const redraw = new PlotRedraw(graph);
   const x = Float32Array.from({length: 300}, (_, index) => index / 30);
   const lanes = ['A', 'B'];
-  const curve = (lane, {size, gap, end}) => ({
-    trace: {lane: lanes[lane], role: 'actual'}, x,
+  const curve = (lane, {size, gap, end, steps}) => ({
+    trace: {lane: lanes[lane], role: 'actual'}, x, steps,
     y: x.map((time, index) => (
       index > gap && index < gap + 9 ? NaN : size * Math.sin((2 + lane) * time)
     )),
@@ -81,6 +81,17 @@ async (turns) => {
 def points(line: str) -> np.ndarray:
     """Return the corners of an SVG path in pixels. Shape (n, 2)."""
     return np.array([pair.split(",") for pair in re.findall(r"[^ML]+", line)], dtype=float)
+
+
+def stairs(line: str) -> np.ndarray:
+    """Return the corners of an SVG path of level and upright lines. Shape (n, 2)."""
+    across, down, corners = 0.0, 0.0, []
+    for kind, rest in re.findall(r"([MHVL])([^MHVL]+)", line):
+        numbers = [float(number) for number in rest.split(",")]
+        across = across if kind == "V" else numbers[0]
+        down = down if kind == "H" else numbers[-1]
+        corners.append((across, down))
+    return np.array(corners)
 
 
 def between(corners: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -147,6 +158,66 @@ def test_curves_in_passing_lie_where_the_library_draws_them(
             between(points(drawn), places), abs=0.15
         )
         assert np.abs(between(points(moved), places) - between(points(before), places)).max() > 20
+
+
+def test_steps_in_passing_are_those_of_the_library(page: Page, dashboard: Dashboard) -> None:
+    open_page(page, dashboard)
+    turns = [{"size": 0.5}, {"size": 0.9, "passing": True}, {"size": 0.9}]
+    seen = page.evaluate(DRAW, [{**turn, "steps": True} for turn in turns])
+    assert [each["asked"] for each in seen] == [1, 0, 1]
+    for moved, drawn in zip(seen[1]["lines"], seen[2]["lines"], strict=True):
+        ours, theirs = stairs(moved), stairs(drawn)
+        level = np.isclose(np.diff(ours[:, 1]), 0.0)
+        assert np.all(level | np.isclose(np.diff(ours[:, 0]), 0.0))
+        places = np.linspace(1.0, 500.0, 901)
+        for corners in (ours, theirs):
+            before = np.searchsorted(corners[:, 0], places, side="right") - 1
+            assert corners[before, 1] == pytest.approx(
+                ours[np.searchsorted(ours[:, 0], places, side="right") - 1, 1], abs=0.15
+            )
+
+
+def test_a_held_torque_is_steps_and_its_decimated_extremes_are_lines(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_page(page, dashboard)
+    drawn = page.evaluate(
+        """async () => {
+          const [{timePanels}, {Ring}, {YRanges}] = await Promise.all([
+            import('/static/panel_curves.js'), import('/static/ring.js'),
+            import('/static/y_range.js'),
+          ]);
+          const ring = new Ring();
+          const channels = ['wild', 'calm'].map((lane) => ({lane, group: 'tau', joint: 1}));
+          ring.configure(channels);
+          const rows = 4000;
+          const data = new Float32Array(2 * rows);
+          for (let row = 0; row < rows; row += 1) {
+            data[row] = row % 2 ? 40 : -40;
+            data[rows + row] = row / rows;
+          }
+          ring.append({rows, columns: 2, time: 0, dt: 0.001, revision: 1, epoch: 0, data});
+          const traces = channels.map(({lane}) => ({
+            lane, label: lane, places: [ring.place(lane, 'tau', 1)], role: 'actual', rule: 'value',
+            scale: 1, held: true,
+          }));
+          traces.reverse();
+          const panels = [{id: 'tau1', title: '', quantity: '', unit: '', traces}];
+          const draw = (window, hold) => timePanels({
+            ring, panels, window, pixels: 400, ranges: new YRanges(), freezes: new Map(), hold,
+          })[0].curves.map(({trace, steps, y}) => ({
+            lane: trace.lane, steps, low: Math.min(...y), high: Math.max(...y),
+          }));
+          return [draw([1, 1.02], 0.001), draw([0, 4], 0.001), draw([1, 1.02], 0)];
+        }"""
+    )
+    close, whole, continuous = drawn
+    assert [one["steps"] for one in close] == [True, True]
+    assert [one["steps"] for one in whole + continuous] == [False] * 4
+    # Neither loses its peaks, and the calm one lies in front of the block.
+    for curves in drawn:
+        assert [one["lane"] for one in curves] == ["wild", "calm"]
+        assert (curves[0]["low"], curves[0]["high"]) == (-40, 40)
 
 
 @pytest.mark.parametrize(

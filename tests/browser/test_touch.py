@@ -113,3 +113,26 @@ def test_every_tab_is_under_the_thumb_and_shows_its_part(phone: Page) -> None:
         expect(tab).to_have_attribute("aria-selected", "true")
         expect(phone.locator(f"#{part}")).to_be_visible()
         assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_lesson_leaves_three_joints_and_their_time_axis_in_sight(phone: Page) -> None:
+    phone.keyboard.press("l")
+    phone.locator("[data-lesson=chattering]").click()
+    expect(phone.locator(".lesson-title small")).to_contain_text("Step 1 of")
+    stage = phone.locator("#plots .plots-stage").first
+    expect(stage.locator(".ylines-above")).to_have_count(3)
+    axis = stage.locator(".xtitle").first
+    expect(axis).to_have_text("t [s]")
+    box, title, lesson = (
+        part.bounding_box() for part in (stage, axis, phone.locator(".lesson").first)
+    )
+    assert box is not None
+    assert title is not None
+    assert lesson is not None
+    assert title["y"] + title["height"] <= box["y"] + box["height"] + 1
+    assert box["y"] + box["height"] <= lesson["y"]
+    assert stage.evaluate("one => one.scrollHeight <= one.clientHeight")
+    # There is still enough of the lesson to read.
+    assert phone.locator(".lesson-body").evaluate("one => one.clientHeight") > 150
+    sideways = "one => one.scrollWidth <= one.clientWidth"
+    assert phone.locator(".lesson-body").evaluate(sideways)

@@ -152,6 +152,33 @@ def test_a_question_comes_before_a_change_that_can_be_seen(name: str) -> None:
             assert step.claims, f"{step.title}: changes something and shows nothing"
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_every_figure_of_a_run_can_be_seen_beside_the_text_that_quotes_it(name: str) -> None:
+    loaded = load_lesson(name)
+    texts = LessonText(loaded)
+    for index, step in enumerate(loaded.lesson.steps):
+        shown = texts.step(index)
+        figures = shown["figures"] + (shown["question"] or {"figures": []})["figures"]
+        seen = {(each["metric"], each["lane"], each["joint"], each["at"]) for each in figures}
+        told = step.text + (step.question.explanation if step.question else "")
+        for claim in step.claims:
+            if f"{{{claim.name}}}" in told and METRICS[claim.metric].label and not claim.than:
+                assert (claim.metric, claim.lane, claim.joint, claim.at) in seen, claim.name
+
+
+def test_an_open_question_has_no_figure_of_its_answer_beside_it() -> None:
+    step = LessonText(load_lesson("chattering")).step(1)
+    assert [each["lane"] for each in step["figures"]] == ["tanh"]
+    assert {each["lane"] for each in step["question"]["figures"]} == {"sign", "tanh"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_text_says_where_on_the_screen_something_stands(name: str) -> None:
+    """On a phone it stands elsewhere."""
+    for text in own_texts(load_lesson(name)):
+        assert not re.search(r"on the (left|right)|under the table|table below", text), text
+
+
 def test_tabs_are_those_of_the_plots() -> None:
     source = Path(__file__).parents[2] / "web" / "plot_views.js"
     assert set(get_args(View)) <= set(re.findall(r"id: '([\w-]+)', title", source.read_text()))

@@ -64,6 +64,20 @@ def test_a_patch_is_looked_at_and_the_live_experiment_stays(served: Served) -> N
     assert served.studio.document.experiment is before
 
 
+def test_an_experiment_sent_along_is_looked_at_though_the_live_one_has_no_such_lane(
+    served: Served,
+) -> None:
+    shorten(served)
+    before = served.studio.document.experiment
+    served.http.post("/api/presets/chattering-tanh/load")
+    assert "RBFNN-SMC" not in served.studio.document.experiment.lanes
+    patch = {"lanes": {"RBFNN-SMC": {"switching": "sign"}}}
+    document = before.document()
+    answer = seen(served, lane="RBFNN-SMC", experiment=document, patch=patch, lenses=["chattering"])
+    run = simulate(before.patched(patch)).lanes["RBFNN-SMC"]
+    assert answer["chattering"]["variation"] == pytest.approx(run.metrics.chattering, rel=1e-9)
+
+
 def test_a_law_without_a_network_answers_null(served: Served) -> None:
     shorten(served)
     assert seen(served, lane="NFTSM", lenses=["network"])["network"] is None
