@@ -77,15 +77,16 @@ class ClosedLoop:
         new = [name for name in packed.experiment.lanes if name not in before]
         renamed = len(gone) == 1 and len(new) == 1
         first = gone[0] if renamed else next(iter(before))
-        self.lanes = {}
+        lanes: dict[str, Lane] = {}
         for name in packed.experiment.lanes:
             if name in before:
-                self.lanes[name] = before[name]
+                lanes[name] = before[name]
                 before[name].adopt(packed)
                 continue
-            lane = self._lane(name)
-            lane.continue_from(before[(origins or {}).get(name, first)], packed)
-            self.lanes[name] = lane
+            lanes[name] = self._lane(name)
+            lanes[name].continue_from(before[(origins or {}).get(name, first)], packed)
+        # At once: other threads look at it meanwhile.
+        self.lanes = lanes
 
     def step(self) -> int:
         """Step every lane that runs; one that leaves its bounds, or whose law fails, freezes.

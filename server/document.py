@@ -9,6 +9,7 @@ from typing import Any
 
 from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
+from robot.merge_patch import difference
 from robot.packed import Packed, pack
 from server.colors import LaneColors
 from server.session import Session
@@ -158,6 +159,21 @@ class Document:
             if beginning == self._beginning:
                 # A lane may have got another name while the file was written.
                 self.baseline, self.preset = _renamed(saved, saved, self.experiment), preset
+
+    def _patched(
+        self,
+        patch: Mapping[str, Any],
+        author: str,
+        request: Any,
+        origins: dict[str, str] | None,
+    ) -> Change:
+        packed = pack(self.experiment.patched(patch))
+        self._colors.assign(list(packed.gains))
+        self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
+        change = self._accept(packed, patch, author, request)
+        self._session.adopt(packed, change.revision, origins)
+        self._tell(change)
+        return change
 
     def _accept(
         self, packed: Packed, patch: Mapping[str, Any] | None, author: str, request: Any

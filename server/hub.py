@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -15,6 +16,8 @@ from server.allowance import Allowance
 from server.document import Change
 from server.limits import TOTAL_BURST, TOTAL_RATE
 from server.studio import Studio
+
+log = logging.getLogger("slidetune.hub")
 
 FRAME = 1.0 / 30.0
 """Time between two telemetry frames to one client in [s] (*ours*)."""
@@ -42,12 +45,13 @@ class Client:
         self._wake = asyncio.Event()
         self._telemetry: Any = None
         self._cursor = 0
+        self._lags = True
 
     def tell(self, text: str) -> None:
         """Put a message into the outbox; a client that lags too far gets a fresh start instead."""
         if len(self._outbox) >= OUTBOX:
             self._outbox.clear()
-            self._telemetry = None
+            self._lags = True
         self._outbox.append(text)
         self._wake.set()
 
@@ -68,19 +72,18 @@ class Client:
                 continue
 
     async def _send_messages(self) -> None:
-        if self._telemetry is not self._studio.session.telemetry:
+        if self._lags or self._telemetry is not self._studio.session.telemetry:
+            # Before the wait: what is too much meanwhile asks for one more fresh start.
+            self._lags = False
             self._telemetry = self._studio.session.telemetry
             self._cursor = max(0, self._telemetry.written - 1)
             hello = {**self._studio.hello(self.name, self._telemetry), "role": self.role}
             await self._socket.send_text(encode(hello))
-        while self._outbox:
+        while self._outbox and not self._lags:
             await self._socket.send_text(self._outbox.popleft())
 
     async def _send_frames(self) -> None:
-        while True:
-            frame = self._telemetry.frame(self._cursor)
-            if frame is None:
-                return
+        while not self._lags and (frame := self._telemetry.frame(self._cursor)) is not None:
             payload, self._cursor = frame
             await self._socket.send_bytes(payload)
 
@@ -129,10 +132,14 @@ class Hub:
             self._changed.clear()
             if not self.clients:
                 continue
-            self.broadcast(self._studio.state())
-            if count >= 3:
-                count = 0
-                self.broadcast(await asyncio.to_thread(self._studio.metrics))
+            try:
+                self.broadcast(self._studio.state())
+                if count >= 3:
+                    count = 0
+                    self.broadcast(await asyncio.to_thread(self._studio.metrics))
+            except Exception:
+                # Whatever it was, the next state is news again; nobody's screen stands still.
+                log.exception("could not tell the clients how things are")
 
     def _soon(self, action: Callable[[], None]) -> None:
         if self._loop is not None and not self._loop.is_closed():

@@ -121,7 +121,10 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
     log.error("%s %s failed", request.method, request.url.path, exc_info=error)
-    message = "The server made a mistake; its log says more. Nothing was changed."
+    message = (
+        "The server made a mistake; its log says more. "
+        "What was asked for may be done in part: look before you ask again."
+    )
     return JSONResponse(error_body("internal", message), 500)
 
 

@@ -309,12 +309,17 @@ export class Api extends EventTarget {
 
   /** @param {Document} message */
   #receive(message) {
-    this.revision = message.revision ?? message.state?.revision ?? this.revision;
+    const before = this.revision;
+    const told = message.revision ?? message.state?.revision ?? before;
+    // Only a fresh start may go back: it may be another server's. Else news may be older than it.
+    this.revision = message.type === 'hello' ? told : Math.max(before, told);
     switch (message.type) {
       case 'hello': this.#hello(message); break;
       case 'patch':
-        this.experiment = message.experiment;
-        this.#emit('patch', message);
+        if (told >= before) {
+          this.experiment = message.experiment;
+          this.#emit('patch', message);
+        }
         if (message.author === this.client && message.id !== null) {
           this.#outbox.answered(message.id);
         }

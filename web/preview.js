@@ -16,7 +16,10 @@ import {decodedResponse} from './preview_message.js';
 const REST_MS = 800;
 /** A lost worker process is replaced at once; the second time something else is wrong. */
 const RETRY_MS = 300;
-const WORKER_LOST = 503;
+/** So many wait in the workers' queue that one more was refused: asked again after so long; ours. */
+const BUSY_MS = 3000;
+const WORKER_LOST = 'worker_lost';
+const BUSY = 'busy';
 /** The document of an answer is looked up by its revision, which is never much older. */
 const KEPT_DOCUMENTS = 50;
 
@@ -217,13 +220,22 @@ export class Preview extends EventTarget {
    * @param {Precision} precision
    */
   #failed(error, precision) {
-    if (error.status === WORKER_LOST && !this.#retried) {
+    if (error.code === WORKER_LOST && !this.#retried) {
       this.#retried = true;
-      setTimeout(() => { if (!this.busy) this.#want(precision); }, RETRY_MS);
+      this.#again(precision, RETRY_MS);
       return;
     }
     this.#retried = false;
     this.#say(error.message);
+    if (error.code === BUSY) this.#again(precision, BUSY_MS);
+  }
+
+  /**
+   * @param {Precision} precision
+   * @param {number} wait in ms
+   */
+  #again(precision, wait) {
+    setTimeout(() => { if (!this.busy) this.#want(precision); }, wait);
   }
 
   /** @param {string} failure */

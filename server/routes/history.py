@@ -9,7 +9,6 @@ from pydantic import Field
 from starlette.exceptions import HTTPException
 
 from robot.experiment import LaneName
-from robot.merge_patch import difference
 from server.contract import ErrorAnswer, ExperimentAnswer, Strict
 from server.studio import Studio
 
@@ -49,8 +48,7 @@ def history_router(studio: Studio) -> APIRouter:
         experiment = studio.history.after(number)
         if experiment is None:
             raise HTTPException(404, f"edit {number} isn't in the history any more")
-        before = studio.document.experiment.document()
-        change = studio.document.patch(difference(before, experiment.document()), author="history")
+        change = studio.document.restore(experiment, author="history")
         return {
             "revision": change.revision,
             "preset": studio.document.preset,

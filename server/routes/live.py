@@ -161,28 +161,35 @@ class Conversation:
         self._studio.session.ask(self._studio.session.on_change)
 
 
+async def _hear(socket: WebSocket, conversation: Conversation) -> None:
+    """Hear until the client leaves."""
+    while True:
+        message = await socket.receive()
+        if message["type"] == "websocket.disconnect":
+            return
+        if message.get("text") is not None:
+            await conversation.hear(message["text"])
+        else:
+            await conversation.hear_binary()
+
+
 async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -> None:
     """Send and hear until either ends."""
-    sender = asyncio.create_task(client.send())
+    tasks = [
+        asyncio.create_task(client.send()),
+        asyncio.create_task(_hear(socket, conversation)),
+    ]
     try:
-        while True:
-            message = await socket.receive()
-            if message["type"] == "websocket.disconnect":
-                return
-            if message.get("text") is not None:
-                await conversation.hear(message["text"])
-            else:
-                body = error_body("bad_message", "This server hears text messages only.")
-                client.tell(encode({"type": "error", "id": None, **body}))
-            if sender.done():
-                return
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        sender.cancel()
-        # Not awaited itself: its traceback would keep this frame, and so the client's ring, alive.
-        await asyncio.wait([sender])
-        error = None if sender.cancelled() else sender.exception()
-        if error is not None and not isinstance(error, WebSocketDisconnect | RuntimeError):
-            raise error
+        for task in tasks:
+            task.cancel()
+        # Not awaited themselves: a traceback would keep this frame, and so the client's ring, alive.
+        await asyncio.wait(tasks)
+        for task in tasks:
+            error = None if task.cancelled() else task.exception()
+            if error is not None and not isinstance(error, WebSocketDisconnect | RuntimeError):
+                raise error
 
 
 def live_router(studio: Studio, hub: Hub) -> APIRouter:

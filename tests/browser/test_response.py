@@ -127,6 +127,14 @@ def held(page: Page, gain: str) -> Iterator[None]:
     page.mouse.up()
 
 
+def until_shown(page: Page, text: str) -> None:
+    """Wait until what KEEP_SHOWN watches has shown a text."""
+    deadline = time.monotonic() + 30.0
+    while text not in page.evaluate("window.shown"):
+        assert time.monotonic() < deadline, f"never showed {text}"
+        page.wait_for_timeout(50)
+
+
 def type_in(page: Page, gain: str, value: str) -> None:
     box = page.locator(f"[data-path='{gain}'] .number-box").first
     box.fill(value)
@@ -157,7 +165,7 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
 
     page.locator(".response-status").evaluate(KEEP_SHOWN)
     with held(page, "lanes.RBFNN-NFTSM.c"):
-        page.wait_for_function("shown.includes('quick')")
+        until_shown(page, "quick")
         expect(row(page, "RBFNN-NFTSM").locator(".metrics-mae1")).not_to_have_text(
             f"{expected_figures(run, 'RBFNN-NFTSM')[0]:.3g}"
         )
@@ -360,7 +368,7 @@ def test_a_drag_s_response_has_no_estimate_yet(page: Page, dashboard: Dashboard)
     estimate = row(page, "NFTSM").locator(".metrics-estimate")
     estimate.evaluate(KEEP_SHOWN)
     with held(page, "lanes.RBFNN-NFTSM.c"):
-        page.wait_for_function("shown.includes('…')")
+        until_shown(page, "…")
     until_exact(page, dashboard)
     expect(estimate).to_have_text(re.compile("±"))
 

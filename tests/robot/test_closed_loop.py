@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -342,3 +343,33 @@ def test_a_law_that_gives_no_number_freezes_its_lane_and_records_numbers_only(
     assert np.isfinite(lane.work[:STATE_ROWS]).all()
     np.testing.assert_array_equal(lane.record[steps + 19, : 2 * JOINTS], before.ravel())
     assert loop.lanes["holds"].freeze is None
+
+
+def test_an_edit_is_seen_whole_or_not_at_all() -> None:
+    lanes = {name: {"law": "smc"} for name in "ABCDEF"}
+    packed = pack(Experiment.from_document({"lanes": lanes}))
+    loop = ClosedLoop(packed, rows=10)
+    seen: set[int] = set()
+    done = threading.Event()
+
+    def look() -> None:
+        while not done.is_set():
+            seen.add(len(loop.lanes))
+
+    watcher = threading.Thread(target=look)
+    watcher.start()
+    for _ in range(300):
+        loop.adopt(packed)
+    done.set()
+    watcher.join()
+    assert seen == {len(lanes)}
+
+
+def test_an_edit_that_fails_loses_no_lane() -> None:
+    lanes = {name: {"law": "smc"} for name in "ABC"}
+    loop = ClosedLoop(pack(Experiment.from_document({"lanes": lanes})), rows=10)
+    more = pack(Experiment.from_document({"lanes": {**lanes, "D": {"law": "nftsm"}}}))
+    del more.gains["D"]
+    with pytest.raises(KeyError):
+        loop.adopt(more)
+    assert list(loop.lanes) == list("ABC")

@@ -30,7 +30,7 @@ Array = np.ndarray
 Body = dict[str, Any]
 
 SHORT = {"simulation": {"horizon": 1.0}}
-SLOW = {"simulation": {"mode": "sampled", "control_rate": 4000.0, "horizon": 45.0}}
+SLOW = {"simulation": {"mode": "sampled", "control_rate": 4000.0, "horizon": 20.0}}
 """Long enough that a test can act while it runs."""
 CALM = {
     "robot": {"inertials": "datasheet", "armature": [0.6] * 3 + [0.15] * 3},
@@ -48,7 +48,7 @@ CALM = {
     },
 }
 """Gains that a sampled loop at 1 kHz bears."""
-WAIT = 60.0
+WAIT = 120.0
 
 
 def refuse_constant(name: str) -> float:
