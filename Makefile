@@ -113,14 +113,20 @@ $(INSTALLED): pyproject.toml requirements.lock $(BROKEN)
 	fi
 	@touch $@
 
-# Pinocchio leaves one library to the system. Nearly all have it, a bare server doesn't.
+# Pinocchio leaves one library to the system. Nearly all have it, a bare server doesn't. Only root
+# gets it without being asked; everybody else reads which command does.
 libgomp:
-	@echo "Pinocchio needs GCC's library libgomp, which this system lacks: installing it …"
-	@as_root=`test "$$(id -u)" -eq 0 || echo sudo`; set -x; \
+	@echo "Pinocchio needs GCC's library libgomp, which this system lacks." >&2; \
 	if command -v apt-get >/dev/null; then \
-	  $$as_root apt-get update && \
-	  $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y libgomp1; \
-	elif command -v dnf >/dev/null; then $$as_root dnf install -y libgomp; \
-	elif command -v pacman >/dev/null; then $$as_root pacman -S --noconfirm gcc-libs; \
-	else false; fi || \
-	{ set +x; echo 'Install libgomp (Debian: libgomp1), then run make again.' >&2; exit 1; }
+	  install='apt-get install -y libgomp1'; \
+	elif command -v dnf >/dev/null; then install='dnf install -y libgomp'; \
+	elif command -v pacman >/dev/null; then install='pacman -S --noconfirm gcc-libs'; \
+	fi; \
+	if [ -n "$$install" ] && [ "`id -u`" -eq 0 ]; then \
+	  set -x; \
+	  if command -v apt-get >/dev/null; then apt-get update; fi; \
+	  DEBIAN_FRONTEND=noninteractive $$install; \
+	else \
+	  echo "Install it ($${install:+sudo }$${install:-Debian: libgomp1}), then run make again." >&2; \
+	  exit 1; \
+	fi

@@ -52,6 +52,22 @@ def _renamed_in_place(before: Document, after: Document) -> Document:
     return {name: after[name] for name in order}
 
 
+def _refuse_unknown(changes: Mapping[str, Any], before: Mapping[str, Any]) -> None:
+    """Refuse gains for a lane that isn't there: it is misspelt, or a new one without its law."""
+    known = ", ".join(before)
+    unknown = [
+        FieldError(
+            f"lanes.{name}",
+            f"no lane is named {name}; there are: {known}. A new lane needs its law, one of "
+            f"{', '.join(LAWS)}",
+        )
+        for name, change in changes.items()
+        if name not in before and isinstance(change, Mapping) and "law" not in change
+    ]
+    if unknown:
+        raise InvalidExperimentError(unknown)
+
+
 def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
     """Return ``document`` changed by ``patch``; see ``Experiment.patched``.
 
@@ -59,7 +75,7 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
 
     Raises:
         InvalidExperimentError: for a patch that no document could hold, such as one nested too
-            deep.
+            deep, or one of a lane that isn't there.
     """
     try:
         patch = plain_values(patch)
@@ -71,6 +87,7 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
     lanes, changes = merged.get("lanes"), patch.get("lanes")
     if isinstance(lanes, dict) and isinstance(changes, Mapping):
         before = document["lanes"]
+        _refuse_unknown(changes, before)
         law_lanes = {name: law.lane for name, law in LAWS.items()}
         fitted = {
             name: _fitting(before.get(name), lane, changes.get(name) or {}, "law", law_lanes)

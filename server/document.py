@@ -73,14 +73,19 @@ class Document:
             SessionBusyError: if as many commands wait for the session as may.
         """
         with self._lock:
-            self._session.refuse_if_busy()
-            packed = pack(self.experiment.patched(patch))
-            self._colors.assign(list(packed.gains))
-            self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
-            change = self._accept(packed, patch, author, request)
-            self._session.adopt(packed, change.revision, origins)
-            self._tell(change)
-            return change
+            return self._patched(patch, author, request, origins)
+
+    def restore(self, experiment: Experiment, author: str = "") -> Change:
+        """Change the experiment to what it once was; time and states go on.
+
+        Raises:
+            InvalidExperimentError: if it isn't valid any more; nothing is changed.
+            SessionBusyError: if as many commands wait for the session as may.
+        """
+        # One lock around both: what came between would be taken back without a word.
+        with self._lock:
+            patch = difference(self.experiment.document(), experiment.document())
+            return self._patched(patch, author, None, None)
 
     def replace(self, experiment: Experiment, preset: str = "", author: str = "") -> Change:
         """Begin another experiment at time 0.
@@ -161,12 +166,9 @@ class Document:
                 self.baseline, self.preset = _renamed(saved, saved, self.experiment), preset
 
     def _patched(
-        self,
-        patch: Mapping[str, Any],
-        author: str,
-        request: Any,
-        origins: dict[str, str] | None,
+        self, patch: Mapping[str, Any], author: str, request: Any, origins: dict[str, str] | None
     ) -> Change:
+        self._session.refuse_if_busy()
         packed = pack(self.experiment.patched(patch))
         self._colors.assign(list(packed.gains))
         self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)

@@ -175,16 +175,13 @@ async def _hear(socket: WebSocket, conversation: Conversation) -> None:
 
 async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -> None:
     """Send and hear until either ends."""
-    tasks = [
-        asyncio.create_task(client.send()),
-        asyncio.create_task(_hear(socket, conversation)),
-    ]
+    tasks = [asyncio.create_task(client.send()), asyncio.create_task(_hear(socket, conversation))]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         for task in tasks:
             task.cancel()
-        # Not awaited themselves: a traceback would keep this frame, and so the client's ring, alive.
+        # Not awaited themselves: a traceback would keep this frame, and with it the client's ring.
         await asyncio.wait(tasks)
         for task in tasks:
             error = None if task.cancelled() else task.exception()

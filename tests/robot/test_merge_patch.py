@@ -9,7 +9,9 @@ import pytest
 
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment
+from robot.laws import LAWS
 from robot.merge_patch import merge_patch
+from robot.presets import load_preset
 
 # RFC 7396, appendix A, without the cases whose target is no object.
 RFC_EXAMPLES: list[tuple[Any, Any, Any]] = [
@@ -143,3 +145,12 @@ def test_a_shapeless_patch_is_refused_and_changes_nothing(patch: Any) -> None:
     with pytest.raises(InvalidExperimentError):
         experiment.patched(patch)
     assert experiment == three()
+
+
+def test_gains_of_a_lane_that_is_not_there_are_refused_by_the_names_of_those_that_are() -> None:
+    experiment = load_preset("paper")
+    with pytest.raises(InvalidExperimentError) as refused:
+        experiment.patched({"lanes": {"NFTMS": {"nu": 3.0}}})
+    (field,) = refused.value.fields
+    assert field.path == "lanes.NFTMS"
+    assert all(name in field.message for name in (*experiment.lanes, *LAWS))
