@@ -74,13 +74,12 @@ function tracesOf({current, pinned, shows}, panel) {
     [...response.lanes.values()].filter(({name}) => shows(name))
       .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name), response.hold)}))
   );
-  const dash = pinned.length ? DASHES : 'solid';
   return {
-    now: current ? drawn(current, (name) => ({role: 'actual', look: {name, dash}})) : [],
+    now: current ? drawn(current, (name) => ({role: 'actual', look: {name}})) : [],
     then: pinned.flatMap(({id, name, response}, index) => drawn(response, (lane) => ({
       role: `baseline${id}`,
       look: {
-        name: `${lane} · ${name}`, width: BASELINE_WIDTH,
+        name: `${lane} · ${name}`, width: BASELINE_WIDTH, dash: DASHES,
         opacity: Math.max(FAINTEST, STRONGEST - FAINTER * index),
       },
     }))),

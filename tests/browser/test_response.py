@@ -326,51 +326,20 @@ def test_nobody_pays_for_a_response_that_is_not_seen(page: Page, dashboard: Dash
     expect(tab).to_have_attribute("aria-selected", "true")
 
 
-def test_a_response_says_how_good_it_is_and_a_button_makes_it_better(
+def test_the_present_is_solid_and_what_it_is_compared_with_dashed(
     page: Page, dashboard: Dashboard
 ) -> None:
     open_response(page, dashboard)
-    estimate = row(page, "NFTSM").locator(".metrics-estimate")
-    error = simulated(dashboard).lanes["NFTSM"].accuracy.error_estimate
-    assert error is not None
-    shown = estimate.inner_text()
-    assert shown.startswith("±")
-    assert float(shown[1:].replace("−", "-")) == pytest.approx(error * MILLI, rel=AGREEMENT)
-    remarks = page.locator(".response-remarks li")
-    expect(remarks).to_have_count(0)
-
-    coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
-    dashboard.client.patch("/api/experiment", json={"simulation": coarse})
+    page.get_by_role("button", name="Pin as baseline").click()
+    type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
     until_exact(page, dashboard)
-    said = {name: lane.accuracy for name, lane in simulated(dashboard).lanes.items()}
-    error = said["NFTSM"].error_estimate
-    assert error is not None
-    assert error > 1e-3
-    expect(estimate).to_have_text(re.compile(rf"±{int(error * MILLI)}\.\d+ ⚠"))
-    expect(estimate).to_have_class(re.compile("is-doubtful"))
-    expect(remarks).to_have_count(len(LANES))
-    expect(remarks.first).to_contain_text("RBFNN-NFTSM")
-    expect(remarks.first).to_contain_text(said["RBFNN-NFTSM"].remark)
-    patch = said["RBFNN-NFTSM"].patch
-    assert patch is not None
-    step = f"Set h = {patch['simulation']['step']:g}"
-    remarks.first.get_by_role("button", name=re.compile(re.escape(step))).click()
-    until_exact(page, dashboard)
-    expect(remarks).to_have_count(0)
-    expect(estimate).not_to_have_class(re.compile("is-doubtful"))
-    error = simulated(dashboard).lanes["NFTSM"].accuracy.error_estimate
-    assert error is not None
-    assert error < 1e-3
-
-
-def test_a_drag_s_response_has_no_estimate_yet(page: Page, dashboard: Dashboard) -> None:
-    open_response(page, dashboard)
-    estimate = row(page, "NFTSM").locator(".metrics-estimate")
-    estimate.evaluate(KEEP_SHOWN)
-    with held(page, "lanes.RBFNN-NFTSM.c"):
-        until_shown(page, "…")
-    until_exact(page, dashboard)
-    expect(estimate).to_have_text(re.compile("±"))
+    lines = page.locator(".response .scatterlayer path.js-line")
+    expect(lines).to_have_count(2 * 3 * len(LANES))
+    look = "lines => lines.map(line => getComputedStyle(line).strokeDasharray)"
+    dashes = lines.evaluate_all(look)
+    # Panel by panel: baselines first, below.
+    panel = ["6px, 4px"] * len(LANES) + ["none"] * len(LANES)
+    assert dashes == 3 * panel
 
 
 def test_a_diverged_lane_says_when_where_and_why(page: Page, dashboard: Dashboard) -> None:
