@@ -7,6 +7,7 @@ import re
 import time
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
@@ -144,6 +145,28 @@ def test_six_shares_are_scaled_by_one_slider_and_keep_their_ratios(
     k1.get_by_role("button", name="Make all alike").click()
     until_gains(dashboard, "sign", k1=160.0)
     expect(k1.get_by_role("button", name="Make all alike")).to_be_hidden()
+
+
+def test_the_tour_takes_the_constant_torque_away_with_one_slider(
+    page: Page, dashboard: Dashboard
+) -> None:
+    dashboard.client.post("/api/presets/paper/load").raise_for_status()
+    screen = opened(page, dashboard)
+    screen.locator("[data-view=response]").click()
+    path = "disturbance.constant"
+    screen.locator("details", has=control(screen, path)).last.locator("summary").first.click()
+    box(screen, path).fill("0")
+    screen.keyboard.press("Enter")
+    deadline = time.monotonic() + 30.0
+    best = screen.locator(".response .metrics-mae2")
+    while True:
+        constant = dashboard.client.get("/api/experiment").json()["experiment"]["disturbance"]
+        texts = [text.replace("−", "-") for text in best.all_inner_texts()]
+        shown = [float(text) for text in texts if text not in {"", "–"}]
+        if not np.any(constant["constant"]) and len(shown) == 3 and np.argmin(shown) == 2:
+            break
+        assert time.monotonic() < deadline, (constant["constant"], shown)
+        screen.wait_for_timeout(100)
 
 
 def test_a_share_at_its_bound_comes_back_within_one_drag(page: Page, dashboard: Dashboard) -> None:
