@@ -108,6 +108,11 @@ def test_lane_names_that_would_break_a_path_or_a_page_are_refused(name: str) -> 
         Experiment.from_document({"lanes": {name: {"law": "smc"}}})
 
 
+def test_a_lane_is_not_named_like_what_no_object_of_a_browser_can_hold() -> None:
+    with pytest.raises(InvalidExperimentError, match="__proto__ is no name"):
+        Experiment.from_document({"lanes": {"__proto__": {"law": "smc"}}})
+
+
 def test_number_of_lanes_is_bounded() -> None:
     lanes = {str(number): {"law": "smc"} for number in range(MAX_LANES)}
     assert len(Experiment.from_document({"lanes": lanes}).lanes) == MAX_LANES
