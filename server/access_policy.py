@@ -18,7 +18,7 @@ from server.own_addresses import own_addresses
 Role = Literal["owner", "viewer"]
 
 WATCH_ONLY = (
-    "You are watching: this address shows everything, but changes nothing and starts no "
+    "You are watching: this address shows the live session, but changes nothing and starts no "
     "computation. The owner's address, which the server printed when it started, does."
 )
 """Said to a viewer who asks for more."""

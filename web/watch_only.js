@@ -4,7 +4,7 @@
 import {element} from './element.js';
 
 /** Said wherever a change is tried all the same. */
-export const WATCH_ONLY = 'You are watching: this address shows everything and changes nothing. '
+export const WATCH_ONLY = 'You are watching: this address shows the live session and changes nothing. '
   + 'Whoever started Slidetune has the address that does.';
 
 /** Whose keys work: joints, cursors, the list of edits and that of keys. */
@@ -50,6 +50,8 @@ export function mountWatchOnly(api, parts) {
     document.querySelector('.header .status')?.before(badge);
     // The other views show whole runs, which are the owner's to ask for.
     /** @type {HTMLElement|null} */ (document.querySelector('[data-view="live"]'))?.click();
+    // On a narrow screen one part is seen at a time: not the one that can't be used.
+    /** @type {HTMLElement|null} */ (document.querySelector('.tab[data-tab="plots"]'))?.click();
     for (const part of parts) keepDisabled(part);
   });
 }

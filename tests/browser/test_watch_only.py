@@ -115,3 +115,16 @@ def test_the_scene_of_a_viewer_is_drawn(page: Page, start_dashboard: StartDashbo
     with page.expect_console_message(lambda message: message.text.startswith("Connected!")):
         open_as_viewer(page, dashboard, scene=True)
     expect(page.frame_locator(".scene-frame").locator("canvas").first).to_be_visible()
+
+
+def test_on_a_phone_a_viewer_begins_with_the_plots(
+    page: Page, start_dashboard: StartDashboard
+) -> None:
+    dashboard = start_dashboard("--token")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(viewers_address(dashboard))
+    expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
+    expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c']").first).to_be_hidden()
+    page.get_by_role("tab", name="Metrics").click()
+    expect(page.locator("#metrics table").first).to_be_visible()
