@@ -64,7 +64,7 @@ _ITERATIONS = 60
 _HALVINGS = 6
 _LOOSE = 0.1
 """Share by which a torque follows past its limit where nothing else would (*ours*)."""
-_PATIENCE = 8
+_PATIENCE = 20
 """Iterations in which what is left has to halve where the equation isn't convex (*ours*)."""
 
 
@@ -86,6 +86,16 @@ def _shaped_torque(i, h, world, inertia, work):  # type: ignore[no-untyped-def]
         reached = _weight(j, inertia, work) * work[ACCELERATION, j] - work[LOAD, j]
         torque += work[SHAPE + i, j] * reached
     return limited(torque, world[LIMIT, i])
+
+
+@kernel
+def _any_limited(h, inertia, world, work):  # type: ignore[no-untyped-def]
+    """Tell whether any torque of a shaped law is at its limit."""
+    for i in range(JOINTS):
+        _, free = _shaped_torque(i, h, world, inertia, work)
+        if free == 0.0:
+            return True
+    return False
 
 
 @kernel
@@ -273,18 +283,19 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
             if tried <= (1.0 - 0.5 * share) * left:
                 break
             share *= 0.5
-        if not tried < left:
+        if tried < left:
+            loose = 0.0
+        elif shaped and isfinite(tried) and (loose or not _any_limited(h, inertia, world, work)):
+            # Nothing goes down: on from the last small step, uphill as it is.
+            loose = 0.0
+        else:
             for j in range(JOINTS):
                 work[LOAD, j] = work[TRIAL, j]
             tried = _balance_all(h, base, inertia, bias, world, work)
+            loose = _LOOSE
             if not shaped:
                 _sweep(h, base, inertia, bias, world, work)
                 tried = _balance_all(h, base, inertia, bias, world, work)
-            elif loose != 0.0:
-                break
-            loose = _LOOSE
-        else:
-            loose = 0.0
         if tried > 0.25 * left and min(tried, left) <= SOLVED * SOLVED:
             # As good as rounding lets it become.
             left = tried
