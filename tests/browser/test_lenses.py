@@ -179,6 +179,8 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     page.keyboard.press("Enter")
     until(dashboard, "sign", "epsilon", 0.1)
     assert experiment(dashboard)["lanes"]["sign"]["switching"] == "tanh"
+    # The way back is there when the answer has come.
+    expect(page.get_by_role("button", name="Undo")).to_be_enabled()
     page.keyboard.press("Control+z")
     until(dashboard, "sign", "epsilon", 0.03)
     assert experiment(dashboard)["lanes"]["sign"]["switching"] == "sign"
@@ -247,6 +249,8 @@ def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
     expect(three).to_contain_text("sign holds S at zero")
     three.get_by_role("button", name="Load the preset chattering-tanh").click()
     expect(page.locator(".preset-name")).to_have_text("chattering-tanh")
+    # The way back is there when the answer has come.
+    expect(page.get_by_role("button", name="Undo")).to_be_enabled()
     page.keyboard.press("Control+z")
     expect(page.locator(".preset-name")).to_have_text("paper")
 
