@@ -82,7 +82,7 @@ class Document:
             InvalidExperimentError: if it isn't valid any more; nothing is changed.
             SessionBusyError: if as many commands wait for the session as may.
         """
-        # One lock around both: what came between would be taken back without a word.
+        # One lock around both: an edit in between would be left over, in neither's experiment.
         with self._lock:
             patch = difference(self.experiment.document(), experiment.document())
             return self._patched(patch, author, None, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -146,3 +147,26 @@ def test_a_bad_fork_is_refused_by_name_and_changes_nothing(
     assert answer.status_code == 422
     assert path in [field["path"] for field in answer.json()["error"]["fields"]]
     assert served.studio.document.experiment is before
+
+
+def test_going_back_gives_the_experiment_that_it_was_whoever_edits_meanwhile(
+    served: Served,
+) -> None:
+    served.http.put("/api/experiment", json={"lanes": {"A": {"law": "smc"}}}).raise_for_status()
+    document, done = served.studio.document, threading.Event()
+    before = document.experiment
+
+    def edit() -> None:
+        value = 0
+        while not done.is_set():
+            value = value % 50 + 1
+            document.patch({"lanes": {"A": {"lambda_": float(value), "k2": float(value)}}})
+
+    editor = threading.Thread(target=edit)
+    editor.start()
+    try:
+        for _ in range(100):
+            assert document.restore(before).experiment == before
+    finally:
+        done.set()
+        editor.join()
