@@ -13,6 +13,8 @@ SUITABLE = import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info
 # The lock names the newest versions that still run on the oldest Python.
 LOCK_PYTHON = python3.11
 LOCK_VENV = build/lock
+# Whoever is idle takes over tests of a busy one: ARGS="-n 0" runs them one by one.
+PARALLEL = -n auto --maxprocesses 4 --dist worksteal
 NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
 
 .DEFAULT_GOAL = help
@@ -34,11 +36,11 @@ install: $(INSTALLED)  ## Set up .venv with everything that run, test and check 
 
 test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
-	$(VENV_PYTHON) -m pytest $(ARGS)
+	$(VENV_PYTHON) -m pytest $(PARALLEL) $(ARGS)
 
 coverage: $(INSTALLED)  ## Run the tests, tell which lines and branches none reaches
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
-	$(VENV_PYTHON) -m pytest --cov --cov-report=term-missing:skip-covered $(ARGS)
+	$(VENV_PYTHON) -m pytest $(PARALLEL) --cov --cov-report=term-missing:skip-covered $(ARGS)
 
 check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
 	$(VENV_PYTHON) -m ruff check .

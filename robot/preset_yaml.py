@@ -129,6 +129,8 @@ def _block(value: str) -> Any:
     """Return text as a literal block where a block keeps every character of it."""
     lines = value.split("\n")
     tame = value.replace("\n", "").isprintable() and value[:1] not in ("", " ", "\n")
+    # A block that keeps empty lines at its end would keep the one before the next heading too.
+    tame = tame and not value.endswith("\n\n")
     if tame and not any(line.endswith(" ") for line in lines):
         return LiteralScalarString(value)
     return DoubleQuotedScalarString(value)

@@ -1,6 +1,6 @@
 """A dashboard in its own process, and a page in a real Chromium that tolerates no complaint.
 
-One dashboard for every module, put back to its beginning for each test; one Chromium for every
+One dashboard for all modules, put back to its beginning for each test; one Chromium for every
 module (Playwright's event loop may not outlive it: other modules run their own); a fresh profile
 for every page. Its list of edits is what a dashboard doesn't forget: a test that wants none starts
 one of its own with `start_dashboard`.
@@ -120,7 +120,9 @@ def running(
         )
     try:
         url = printed_address(process, log)
-        with httpx.Client(base_url=url, trust_env=False, timeout=30) as client:
+        # A kept connection may be closed by the server in the moment in which it is used again.
+        once = httpx.Limits(max_keepalive_connections=0)
+        with httpx.Client(base_url=url, trust_env=False, timeout=60, limits=once) as client:
             yield Dashboard(url, client, process, log)
     finally:
         end(process)
@@ -141,9 +143,9 @@ def start_dashboard(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[
         yield start
 
 
-@pytest.fixture(scope="module")
-def module_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
-    """A dashboard for all tests of a module; `dashboard` puts it back to its beginning."""
+@pytest.fixture(scope="session")
+def shared_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
+    """A dashboard for all tests; `dashboard` puts it back to its beginning."""
     folder = tmp_path_factory.mktemp("dashboard")
     environment = {"SLIDETUNE_PRESETS": str(folder / "presets")}
     with running((), folder / "dashboard.txt", environment) as dashboard:
@@ -151,21 +153,21 @@ def module_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashb
 
 
 @pytest.fixture
-def dashboard(module_dashboard: Dashboard, request: pytest.FixtureRequest) -> Dashboard:
+def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Dashboard:
     """A dashboard as it begins: with the paper's experiment, which plays, and no own presets."""
-    request.node.stash.setdefault(LOGS, []).append(module_dashboard.log)
-    client = module_dashboard.client
+    request.node.stash.setdefault(LOGS, []).append(shared_dashboard.log)
+    client = shared_dashboard.client
     for preset in client.get("/api/presets").json()["presets"]:
         if not preset["shipped"]:
             client.delete(f"/api/presets/{preset['name']}").raise_for_status()
     client.post("/api/presets/paper/load").raise_for_status()
     client.patch("/api/session", json={"speed": 1.0}).raise_for_status()
     client.post("/api/session/play").raise_for_status()
-    address = f"{module_dashboard.url.replace('http', 'ws', 1)}api/live"
+    address = f"{shared_dashboard.url.replace('http', 'ws', 1)}api/live"
     with connect(address, proxy=None, max_size=None) as socket:
         for message in (SELECT, VIEW):
             socket.send(json.dumps(message))
-    return module_dashboard
+    return shared_dashboard
 
 
 @pytest.fixture(scope="module")

@@ -100,6 +100,12 @@ def test_every_experiment_reads_back_equal(experiment: Experiment) -> None:
     assert experiment_to_yaml(experiment_from_yaml(text.encode())) == text
 
 
+@pytest.mark.parametrize("end", ["", "\n", "\n\n", "\n\n\n", " \n\n", "\n \n"])
+def test_empty_lines_at_the_end_of_a_description_stay_as_many(end: str) -> None:
+    experiment = Experiment(description=f"First\n\nsecond{end}")
+    assert experiment_from_yaml(experiment_to_yaml(experiment)) == experiment
+
+
 def test_every_number_says_what_it_is() -> None:
     text = experiment_to_yaml(Experiment())
     assert re.search(r"^    nu: 0\.3 +# ν, 1/s, Eq\. 5: error gain$", text, re.MULTILINE)
