@@ -1,7 +1,7 @@
 // @ts-check
 /** A change that the server proposes: what it sets, in words, and a button that makes it. */
 
-import {element} from './element.js';
+import {element, withIndices} from './element.js';
 import {leaves, valueAt} from './merge_patch.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
@@ -19,8 +19,8 @@ export function proposalButton({history, tell, names}, patch) {
   const parts = leaves(patch).map((path) => names.assignment(path, valueAt(patch, path)));
   const words = `Set ${parts.join(', ')}`;
   const button = /** @type {HTMLButtonElement} */ (element('button', {
-    class: 'button small', type: 'button', on: {click: () => apply()},
-  }, words));
+    class: 'button small', type: 'button', 'aria-label': words, on: {click: () => apply()},
+  }, withIndices(words)));
   const apply = async () => {
     button.disabled = true;
     try {
