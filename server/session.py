@@ -20,11 +20,11 @@ from robot.lane import Freeze
 from robot.packed import Packed
 from robot.workspace import Q
 from server.commands import Commands, Request
+from server.live_figures import LiveFigures
 from server.pacing import TICK, Pacer
 from server.push import Push
 from server.recorder import Recorder
 from server.roughness import Roughness
-from server.running_metrics import RunningMetrics
 from server.telemetry import Channel, Telemetry, rows_of
 
 log = logging.getLogger("slidetune.session")
@@ -64,7 +64,7 @@ class Session:
     Attributes:
         loop: the closed loop; touched by the session's thread alone.
         telemetry: the rows for all clients; another object after a change of lanes.
-        metrics: figures by lane.
+        figures: figures by lane, and since when they count.
         recorder: what the last minute looked like.
         revision: revision of the experiment in force.
         epoch: counts resets and loaded experiments.
@@ -205,6 +205,7 @@ class Session:
         def branch() -> None:
             self.recorder.restore(self.loop, moment)
             self._swap(packed, revision, origins)
+            self.figures.restart(self.loop.time, "branch")
             if self.view is not None:
                 self.view.restart()
             self._set_playing(True)
@@ -311,12 +312,7 @@ class Session:
         rows = rows_of(loop, first, loop.number)
         self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)
-        for name, metrics in self.metrics.items():
-            freeze = loop.lanes[name].freeze
-            # A lane that stands still has no figures: the rows after its last are only held.
-            ran = len(rows) if freeze is None else round((freeze.time - time) / loop.period) + 1
-            if ran > 0:
-                metrics.add(rows[:ran], time, loop.period)
+        self.figures.add(rows, loop, time)
         if self.view is not None:
             self.view.add(rows, loop.period)
         if self._swapped:
@@ -328,21 +324,21 @@ class Session:
     def _begin(self, packed: Packed) -> None:
         self.loop = ClosedLoop(packed, BUFFER)
         self._new_lanes()
+        self.figures = LiveFigures(self.telemetry.columns, list(self.loop.lanes))
         self._restarted()
 
     def _new_lanes(self) -> None:
         self.telemetry = Telemetry(list(self.loop.lanes))
-        columns = self.telemetry.columns
-        self.metrics = {name: RunningMetrics(columns, name) for name in self.loop.lanes}
         if self.view is not None:
-            self.view.new_lanes(columns)
+            self.view.new_lanes(self.telemetry.columns)
 
     def _swap(self, packed: Packed, revision: int, origins: dict[str, str] | None) -> None:
-        before = list(self.loop.lanes)
-        self.loop.adopt(packed, origins)
+        names, before = list(self.loop.lanes), self.loop.packed.experiment
+        continued = self.loop.adopt(packed, origins)
         self.revision = revision
-        if list(self.loop.lanes) != before:
+        if list(self.loop.lanes) != names:
             self._new_lanes()
+        self.figures.adopt(before, self.loop, continued, self.telemetry.columns)
         self._swapped = True
 
     def _set_playing(self, playing: bool) -> None:
@@ -353,8 +349,7 @@ class Session:
 
     def _reset(self) -> None:
         self.loop.restart()
-        for metrics in self.metrics.values():
-            metrics.restart()
+        self.figures.restart(0.0, "reset")
         self._restarted()
 
     def _restarted(self) -> None:

@@ -120,8 +120,8 @@ class Studio:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
         remarks = self._current_remarks()
         lanes = {
-            name: {**metrics.document(), **remarks.get(name, _NO_REMARKS)}
-            for name, metrics in tuple(self.session.metrics.items())
+            name: {**figures, **remarks.get(name, _NO_REMARKS)}
+            for name, figures in self.session.figures.document().items()
         }
         return {"type": "metrics", "lanes": lanes}
 

@@ -7,7 +7,16 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Request
 
 from server.access import role_in
-from server.contract import Accepted, ErrorAnswer, Health, Kick, SessionState, Speed, Steps
+from server.contract import (
+    Accepted,
+    ErrorAnswer,
+    Health,
+    Kick,
+    LiveMetrics,
+    SessionState,
+    Speed,
+    Steps,
+)
 from server.limits import limits_document
 from server.studio import Studio
 
@@ -67,9 +76,9 @@ def session_router(studio: Studio) -> APIRouter:
         session.kick(push.torque, push.duration)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.get("/metrics")
+    @router.get("/metrics", response_model=LiveMetrics)
     def metrics() -> dict[str, Any]:
-        """Figures of every lane since the reset and over the last ten seconds, and remarks."""
+        """Figures of every lane since its last change and over the last ten seconds; remarks."""
         return studio.metrics()
 
     return router
