@@ -55,6 +55,10 @@ class ClosedLoop:
         for lane in self.lanes.values():
             lane.restart(self.packed)
 
+    def restart_lane(self, name: str) -> None:
+        """Let one lane begin anew where the trajectory is now; the others go on."""
+        self.lanes[name].restart(self.packed, self.time)
+
     def travel(self, time: float) -> None:
         """Set the time of the next step to ``time`` [s]; the states are the caller's."""
         self._since, self._from = time, self.number

@@ -85,6 +85,9 @@ class LaneStatus(BaseModel):
     radius: float | None = Field(
         description="Spectral radius of one control period where that is the reason."
     )
+    began: float = Field(
+        description="When it began from its initial state [s]: 0, or when it was reset by itself."
+    )
     remark: str | None = Field(
         description="That the live curves are approximate, where they are, in words."
     )
@@ -201,6 +204,17 @@ class Kick(Strict):
     duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="s")
 
 
+class Reset(Strict):
+    """What to reset."""
+
+    lane: str | None = Field(
+        None,
+        description="`null`: everything, back to t = 0. Else this lane alone, while time goes on: "
+        "it begins anew where the trajectory is now, with the initial error and velocity that the "
+        "simulation has, empty weights and no torque on its way.",
+    )
+
+
 class Steps(Strict):
     """How many steps to make."""
 
@@ -233,7 +247,14 @@ class PatchMessage(Strict):
 class PlainCommand(Strict):
     """A command without anything to say."""
 
-    type: Literal["play", "pause", "reset"]
+    type: Literal["play", "pause"]
+    id: RequestId | None = None
+
+
+class ResetMessage(Reset):
+    """Reset the session or one lane."""
+
+    type: Literal["reset"]
     id: RequestId | None = None
 
 
@@ -287,6 +308,7 @@ class LaneMessage(Strict):
 ClientMessage = Annotated[
     PatchMessage
     | PlainCommand
+    | ResetMessage
     | StepMessage
     | KickMessage
     | SpeedMessage

@@ -16,7 +16,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from robot.closed_loop import ClosedLoop
-from robot.lane import Freeze
 from robot.packed import Packed
 from robot.workspace import Q
 from server.commands import Commands, Request
@@ -53,6 +52,9 @@ class View(Protocol):
 
     def restart(self) -> None:
         """Forget the past: time has run back."""
+
+    def restart_lane(self, name: str) -> None:
+        """Forget one lane's past: it begins anew elsewhere."""
 
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, if it is time."""
@@ -183,6 +185,15 @@ class Session:
         """Go back to time 0 and thaw every lane; steps that wait are dropped."""
         self._ask_instead(self._reset)
 
+    def reset_lane(self, name: str) -> None:
+        """Let one lane begin anew where the trajectory is now; a lane that is gone by then is none.
+
+        Raises:
+            SessionBusyError: if as many commands wait as may.
+        """
+        self.refuse_if_busy()
+        self.ask(lambda: self._reset_lane(name))
+
     def kick(self, torque: tuple[float, ...], duration: float) -> None:
         """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s].
 
@@ -239,7 +250,7 @@ class Session:
             "waiting_steps": self.waiting_steps,
             "horizon": loop.packed.experiment.simulation.horizon,
             "lanes": {
-                name: {**_status(lane.freeze), "remark": self._roughness.remark(name)}
+                name: {**lane.document(), "remark": self._roughness.remark(name)}
                 for name, lane in tuple(loop.lanes.items())
             },
         }
@@ -352,6 +363,15 @@ class Session:
         self.figures.restart(0.0, "reset")
         self._restarted()
 
+    def _reset_lane(self, name: str) -> None:
+        if name not in self.loop.lanes:
+            return
+        self.loop.restart_lane(name)
+        self.figures.lanes[name].restart(self.loop.time, "reset")
+        if self.view is not None:
+            self.view.restart_lane(name)
+        self.on_change()
+
     def _restarted(self) -> None:
         self.epoch += 1
         self._roughness.restart()
@@ -372,16 +392,3 @@ def _come_first() -> None:
     if sys.platform == "linux":
         with suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, get_native_id(), -10)
-
-
-def _status(freeze: Freeze | None) -> dict[str, Any]:
-    if freeze is None:
-        return {"status": "running", **dict.fromkeys(("time", "joint", "cause", "gamma", "radius"))}
-    return {
-        "status": "frozen",
-        "time": freeze.time,
-        "joint": freeze.joint,
-        "cause": freeze.cause,
-        "gamma": freeze.gamma,
-        "radius": freeze.radius,
-    }

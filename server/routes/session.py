@@ -13,6 +13,7 @@ from server.contract import (
     Health,
     Kick,
     LiveMetrics,
+    Reset,
     SessionState,
     Speed,
     Steps,
@@ -63,11 +64,11 @@ def session_router(studio: Studio) -> APIRouter:
         session.step((steps or Steps()).count)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.post("/session/reset", status_code=202)
-    async def reset() -> Accepted:
-        """Go back to time 0 and thaw every lane; steps that wait are dropped."""
-        session.reset()
-        return Accepted(waiting_steps=0)
+    @router.post("/session/reset", status_code=202, responses=REFUSED)
+    async def reset(what: Annotated[Reset | None, Body()] = None) -> Accepted:
+        """Go back to time 0 and drop the steps that wait; or let one lane alone begin anew."""
+        studio.reset(what.lane if what else None)
+        return Accepted(waiting_steps=session.waiting_steps)
 
     @router.post("/session/kick", status_code=202, responses=REFUSED)
     async def kick(push: Annotated[Kick | None, Body()] = None) -> Accepted:

@@ -141,3 +141,34 @@ def test_a_lane_that_stands_still_keeps_its_figures_until_a_reset(tuning: Tuning
     tuning.session.reset()
     tuning.settle()
     assert tuning.since("A") == (0, "reset")
+
+
+def test_one_lane_is_reset_where_the_trajectory_is_and_the_others_go_on(tuning: Tuning) -> None:
+    patch = {
+        "lanes": {"A": {"k1": 400.0}},
+        "simulation": {"mode": "sampled", "initial_error": 0.01},
+    }
+    tuning.change(patch)
+    tuning.session.reset()
+    tuning.step(500)
+    loop = tuning.session.loop
+    assert loop.lanes["A"].freeze is not None
+    other = loop.lanes["B"].work.copy()
+    tuning.session.reset_lane("A")
+    tuning.settle()
+    np.testing.assert_array_equal(loop.lanes["B"].work, other)
+    assert loop.time == pytest.approx(0.5)
+    state = tuning.session.state()["lanes"]
+    assert (state["A"]["status"], state["A"]["began"]) == ("running", loop.time)
+    assert state["B"]["began"] == 0.0
+    assert tuning.since("A") == (500, "reset")
+    tuning.step(1)
+    # It begins with the error that the simulation asks for, at the desired velocity, unlearnt.
+    row = loop.lanes["A"].record[500].reshape(8, 6)
+    np.testing.assert_allclose(row[6] - row[0], 0.01)
+    np.testing.assert_allclose(row[1], row[7])
+    assert not row[4].any()
+    np.testing.assert_allclose(tuning.mean_error("A"), tuning.recorded("A", 500))
+    tuning.session.reset_lane("gone")
+    tuning.settle()
+    assert tuning.session.playing is False
