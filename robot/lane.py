@@ -153,8 +153,7 @@ class Lane:
         simulation = packed.experiment.simulation
         if simulation.mode == "sampled":
             margin = margin_at(packed, self.name, time)
-            calms = margin.stable or (margin.radius is None and margin.bounded)
-            if not calms and is_stable_unsampled(packed, self.name, time):
+            if not margin.holds and is_stable_unsampled(packed, self.name, time):
                 cause += _too_fast(simulation, margin)
                 self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
                 return

@@ -146,7 +146,7 @@ class LaneFigures(BaseModel):
     recent: SpanFigures | None = Field(description="Over the last ten seconds, whatever changed.")
     gamma: float | None
     margin: dict[str, Any] | None = Field(description="Of a sampled loop; see `robot.margin`.")
-    notes: list[dict[str, Any]] = Field(description="Level, path, message and patch of each.")
+    notes: list[dict[str, Any]] = Field(description="Level, path, message, patch and its title.")
 
 
 class LiveMetrics(BaseModel):

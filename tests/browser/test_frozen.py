@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any
 
@@ -78,3 +79,32 @@ def test_lanes_that_froze_say_when_and_one_alone_is_reset(page: Page, dashboard:
     simulate(dashboard, mode="sampled")
     expect(page.locator(".response .textpoint text").filter(has_text="frozen")).to_have_count(3)
     expect(page.locator(".response .xtick text").last).to_have_text("10")
+
+
+def test_one_click_lets_a_sampled_experiment_work_and_one_undo_takes_it_back(
+    page: Page, dashboard: Dashboard
+) -> None:
+    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+    page.goto(dashboard.url)
+    expect(page.locator(".gains-head h2")).to_be_visible()
+    simulate(dashboard, mode="sampled")
+    for lane in LANES:
+        until(dashboard, lane, "frozen")
+    before = dashboard.client.get("/api/experiment").json()["experiment"]
+    offer = page.locator(".lanes").get_by_role("button", name="Use the sampled arm")
+    expect(offer).to_have_attribute("title", re.compile("inertials = datasheet.*\nNFTSM: ", re.S))
+    offer.click()
+    for lane in LANES:
+        until(dashboard, lane, "running")
+    dashboard.client.patch("/api/session", json={"speed": 10}).raise_for_status()
+    end = time.monotonic() + 60.0
+    while (session := state(dashboard))["time"] < 3.0:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert {lane["status"] for lane in session["lanes"].values()} == {"running"}
+    expect(page.get_by_role("button", name="Use the sampled arm")).to_have_count(0)
+    assert dashboard.client.get("/api/experiment").json()["experiment"]["robot"]["torque_limit"]
+    page.keyboard.press("Control+z")
+    while dashboard.client.get("/api/experiment").json()["experiment"] != before:
+        assert time.monotonic() < end, "one undo did not bring everything back"
+        time.sleep(0.05)
