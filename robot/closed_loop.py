@@ -55,11 +55,15 @@ class ClosedLoop:
         for lane in self.lanes.values():
             lane.restart(self.packed)
 
+    def restart_lane(self, name: str) -> None:
+        """Let one lane begin anew where the trajectory is now; the others go on."""
+        self.lanes[name].restart(self.packed, self.time)
+
     def travel(self, time: float) -> None:
         """Set the time of the next step to ``time`` [s]; the states are the caller's."""
         self._since, self._from = time, self.number
 
-    def adopt(self, packed: Packed, origins: dict[str, str] | None = None) -> None:
+    def adopt(self, packed: Packed, origins: dict[str, str] | None = None) -> dict[str, str]:
         """Take another experiment from the next step on; time and states go on.
 
         A lane that is new continues from the state of its origin: the lane that ``origins`` names,
@@ -68,6 +72,9 @@ class ClosedLoop:
         Args:
             packed: the new experiment as numbers.
             origins: names of new lanes and of the lanes that they continue.
+
+        Returns:
+            By lane the one whose state it continues: itself where it was there already.
         """
         # Only then: otherwise each edit would change the last bit of every later time.
         if packed.experiment.simulation.row_period != self.period:
@@ -78,15 +85,18 @@ class ClosedLoop:
         renamed = len(gone) == 1 and len(new) == 1
         first = gone[0] if renamed else next(iter(before))
         lanes: dict[str, Lane] = {}
+        continued: dict[str, str] = {}
         for name in packed.experiment.lanes:
+            continued[name] = name if name in before else (origins or {}).get(name, first)
             if name in before:
                 lanes[name] = before[name]
                 before[name].adopt(packed)
                 continue
             lanes[name] = self._lane(name)
-            lanes[name].continue_from(before[(origins or {}).get(name, first)], packed)
+            lanes[name].continue_from(before[continued[name]], packed)
         # At once: other threads look at it meanwhile.
         self.lanes = lanes
+        return continued
 
     def step(self) -> int:
         """Step every lane that runs; one that leaves its bounds, or whose law fails, freezes.

@@ -41,7 +41,9 @@ from robot.workspace import (
     S_V,
     SHAPED,
     SLIDING,
-    TERMINAL,
+    TERMINAL_C,
+    TERMINAL_MU,
+    TERMINAL_RATIO,
     VD,
     YIELD,
     S,
@@ -110,15 +112,15 @@ def shaped_reaching(value, fall, a, j, h, base, work):  # type: ignore[no-untype
         j: joint.
         h: step in [s].
         base: first row of the state from which the step starts.
-        work: workspace; reads TERMINAL where BENDS is set.
+        work: workspace; reads the TERMINAL rows where BENDS is set.
     """
     if work[FLAGS, BENDS] == 0.0:
         return value, fall
-    nu, ratio, before = work[S_E, j], work[TERMINAL + 2, j], work[VD, j] - work[base + V, j]
+    nu, ratio, before = work[S_E, j], work[TERMINAL_RATIO, j], work[VD, j] - work[base + V, j]
     de = before + h * (work[AD, j] - a)
     size = max(abs(de), _STILL)
-    steeper = ratio * work[TERMINAL + 1, j] * size ** (ratio - 1.0)
-    gamma = work[TERMINAL, j] + steeper
+    steeper = ratio * work[TERMINAL_MU, j] * size ** (ratio - 1.0)
+    gamma = work[TERMINAL_C, j] + steeper
     bend = (ratio - 1.0) * steeper * de / (size * size)
     share, whole = work[S_V, j] / gamma, value + nu * de
     return share * whole - nu * before, share * (fall + h * nu - h * whole * bend / gamma)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,13 @@ class Freeze:
     gamma: float | None = None
     radius: float | None = None
 
+    def document(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+_WHY = tuple(field.name for field in fields(Freeze))
+
 
 class Lane:
     """One closed loop.
@@ -53,6 +61,7 @@ class Lane:
         work: workspace of the kernels; ``robot.workspace`` names its rows.
         record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
         freeze: why it stands still, ``None`` while it runs.
+        began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
         step: the bound step; see ``robot.cutting.Step``.
     """
@@ -76,11 +85,17 @@ class Lane:
         self.commands: Array | None = None
         self.restart(packed)
 
-    def restart(self, packed: Packed) -> None:
-        """Go to the initial state: e(0) and v(0) as asked, empty weights."""
+    def restart(self, packed: Packed, time: float = 0.0) -> None:
+        """Go to the initial state on the trajectory: e and v as asked for t = 0, empty weights.
+
+        Args:
+            packed: the experiment as numbers.
+            time: when, in [s].
+        """
         simulation = packed.experiment.simulation
+        self.began = time
         self.work[:] = 0.0
-        reference(0.0, packed.trajectory, self.work)
+        reference(time, packed.trajectory, self.work)
         self.work[Q] = self.work[QD] - np.asarray(simulation.initial_error)
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
@@ -101,8 +116,13 @@ class Lane:
         self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
         self.record[:] = other.record
-        self.freeze, self.commands = other.freeze, other.commands
+        self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
         self.adopt(packed)
+
+    def document(self) -> dict[str, Any]:
+        """Return whether it runs, since when, and if not, why, as plain JSON values."""
+        why = self.freeze.document() if self.freeze else dict.fromkeys(_WHY)
+        return {"status": "frozen" if self.freeze else "running", "began": self.began, **why}
 
     def hold(self, packed: Packed, time: float, row: int) -> None:
         """Record a frozen lane: its last finite row, and the desired motion that goes on."""
@@ -133,8 +153,7 @@ class Lane:
         simulation = packed.experiment.simulation
         if simulation.mode == "sampled":
             margin = margin_at(packed, self.name, time)
-            calms = margin.stable or (margin.radius is None and margin.bounded)
-            if not calms and is_stable_unsampled(packed, self.name, time):
+            if not margin.holds and is_stable_unsampled(packed, self.name, time):
                 cause += _too_fast(simulation, margin)
                 self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
                 return

@@ -139,6 +139,11 @@ class Margin:
         """Whether a small deviation dies out."""
         return self.radius is not None and self.radius <= 1.0 + MARGINAL
 
+    @property
+    def holds(self) -> bool:
+        """Whether it is stable, or chatters on its surface without end, as sign(S) does."""
+        return self.stable or (self.radius is None and self.bounded)
+
     def document(self) -> dict[str, float | bool | None]:
         """Return it as plain JSON values."""
         return {
@@ -209,6 +214,11 @@ def loop_margin(packed: Packed, name: str) -> Margin:
         return _margin(packed, name, maps[0], None, None)
     gamma = worst_margin(packed, name)
     return _margin(packed, name, maps[0], gamma, gamma * _border(maps))
+
+
+def loop_radius(packed: Packed, name: str) -> Margin:
+    """Return what ``loop_margin`` does but for gamma and its border, which take longer."""
+    return _margin(packed, name, worst_instant(packed, name)[1], None, None)
 
 
 def margin_at(packed: Packed, name: str, time: float) -> Margin:

@@ -46,6 +46,18 @@ class Fraction(TypedDict):
     pairs: list[tuple[int, int]]
 
 
+class Weight(TypedDict):
+    """What weights the term of which a field is a part: at 0 the field has no effect.
+
+    Attributes:
+        name: name of the field.
+        symbol: its sign.
+    """
+
+    name: str
+    symbol: str
+
+
 _NUMBER: dict[str, Any] = {"type": "number"}
 _SIX: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": JOINTS, "maxItems": JOINTS}
 
@@ -169,6 +181,7 @@ def field(
     group: str = "",
     applies: str = "",
     needs: dict[str, tuple[str, ...]] | None = None,
+    weight: Weight | None = None,
     source: Source = "ours",
 ) -> Any:
     """Describe one value of an experiment, once, for the schema, the slider and the validation.
@@ -190,6 +203,7 @@ def field(
         applies: the simulation mode in which it acts, empty for both.
         needs: by the name of a choice in the same section, the options under which it acts; it
             has no effect under the others.
+        weight: the field in the same section that weights the term of which this is a part.
         source: where the default comes from.
 
     Returns:
@@ -206,6 +220,7 @@ def field(
         "group": group,
         "applies": applies,
         "needs": needs,
+        "weight": weight,
         "source": source,
         "minimum": low,
         "maximum": high,

@@ -132,16 +132,7 @@ def lane_response(
     run = simulate(only_lane(experiment, lane), cancelled=cancelled, estimate=estimate)
     result = run.lanes[lane]
     time, columns = thinned(run.time, _columns(result))
-    freeze = result.freeze
-    frozen = None
-    if freeze is not None:
-        frozen = {
-            "time": freeze.time,
-            "joint": freeze.joint,
-            "cause": freeze.cause,
-            "gamma": freeze.gamma,
-            "radius": freeze.radius,
-        }
+    frozen = None if result.freeze is None else result.freeze.document()
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)
     figures, accuracy = result.metrics.document(), result.accuracy.document()

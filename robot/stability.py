@@ -13,6 +13,7 @@ from robot.field_path import field_path
 from robot.margin import Margin, is_stable, loop_margin
 from robot.packed import Packed, pack
 from robot.quantity import JOINTS, bounds
+from robot.sampled_arm import sampled_arm
 from robot.sufficient import sufficient_layer, sufficient_rate
 from robot.torque_need import initial_torque, required_torque, start
 from robot.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
@@ -40,12 +41,14 @@ class Note:
         path: the field it concerns, dotted from the experiment.
         message: the number, the rule and the way out.
         patch: a merge patch that sets the nearest good value, or ``None``.
+        title: what to call the patch; empty where its values say it.
     """
 
     level: Literal["info", "warning"]
     path: str
     message: str
     patch: dict[str, Any] | None = None
+    title: str = ""
 
 
 def _sampling(packed: Packed, name: str) -> Iterator[Note]:
@@ -53,7 +56,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     if simulation.mode != "sampled":
         return
     margin = loop_margin(packed, name)
-    if margin.stable or (margin.radius is None and margin.bounded):
+    if margin.holds:
         return
     expected = "a limit cycle" if margin.bounded else "divergence"
     rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {expected}. "
@@ -81,6 +84,12 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
         f"{rule}It would take {' or '.join(ways)}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
+
+
+def _sampled_arm(packed: Packed, name: str) -> Iterator[Note]:
+    offer = sampled_arm(packed)
+    if offer is not None and name in offer.lanes:
+        yield Note("warning", "simulation.mode", offer.message, offer.patch, "Use the sampled arm")
 
 
 def _other_gains(margin: Margin, learns: bool) -> list[str]:
@@ -347,6 +356,7 @@ def notes(packed: Packed, name: str) -> list[Note]:
     """Return all remarks on one lane's numbers; an empty list says that nothing is amiss."""
     checks = (
         _sampling,
+        _sampled_arm,
         _sign,
         _convergence,
         _motion,

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from robot.compiled import kernel
-from robot.quantity import JOINTS, PerJoint, Section, field, refusal
+from robot.quantity import JOINTS, PerJoint, Section, Weight, field, refusal
 from robot.workspace import MEASURED_Q, MEASURED_V, QD, S_E, S_V, VD, S
 
 Array = np.ndarray
@@ -24,6 +24,8 @@ EXPONENTS = [
     (p, k) for p in range(5, 15, 2) for k in range(3, p, 2) if p < 2 * k and gcd(p, k) == 1
 ]
 """Exponents p/k to choose from (*ours*; 5/3 is *published*)."""
+_TERMINAL: Weight = {"name": "mu", "symbol": "μ"}
+"""Weight of the terminal term, whose exponent is p/k."""
 
 
 class NftsmSurface(Section):
@@ -82,6 +84,7 @@ class NftsmSurface(Section):
             "symbol": "p/k",
             "pairs": EXPONENTS,
         },
+        weight=_TERMINAL,
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
@@ -95,6 +98,7 @@ class NftsmSurface(Section):
         high=99.0,
         step=2.0,
         odd=True,
+        weight=_TERMINAL,
         equation="Eq. 5",
         group="Sliding surface",
         source="published",

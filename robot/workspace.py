@@ -46,7 +46,9 @@ HIDDEN = QD + 20  # hidden outputs, NODES rows
 SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
 CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see robot.switching
 CURVE_ROWS = 5
-TERMINAL = CURVE + CURVE_ROWS  # c, mu and p/k of the surface, where BENDS is set
+TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
+TERMINAL_MU = TERMINAL_C + 1  # its mu
+TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
 
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
@@ -54,7 +56,7 @@ HELD = 2  # column of FLAGS: whether a joint is SLIDING
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
 
 # --- one implicit step ---------------------------------------------------------------------------
-MATRIX = TERMINAL + 3  # 6 x 6 system matrix
+MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix
 RIGHT = MATRIX + JOINTS  # its right-hand side
 DIAGONAL = RIGHT + 1  # its diagonal, before elimination
 ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]

@@ -85,6 +85,9 @@ class LaneStatus(BaseModel):
     radius: float | None = Field(
         description="Spectral radius of one control period where that is the reason."
     )
+    began: float = Field(
+        description="When it began from its initial state [s]: 0, or when it was reset by itself."
+    )
     remark: str | None = Field(
         description="That the live curves are approximate, where they are, in words."
     )
@@ -109,6 +112,48 @@ class SessionState(BaseModel):
     selected: str
     view: dict[str, Any]
     lanes: dict[str, LaneStatus]
+
+
+class Since(BaseModel):
+    """Since when the total of a lane's figures counts."""
+
+    time: float = Field(description="Simulated time of the first row that counts [s].")
+    reason: Literal["reset", "change", "added", "branch"] = Field(
+        description="`reset`: the session was reset, or its experiment loaded. `change`: then the "
+        "lane's closed loop changed last: its law or gains, the arm, the trajectory, the "
+        "disturbance or the simulation; another name is no change, nor are a kick and the horizon. "
+        "`added`: the lane is new or a copy. `branch`: the session went back to this moment."
+    )
+
+
+class SpanFigures(BaseModel):
+    """Figures of a lane over a span of time; what comes after a freeze is in none."""
+
+    mae: list[float] = Field(description="Mean absolute error of each joint [rad].")
+    max_error: list[float] = Field(description="Greatest absolute error of each joint [rad].")
+    max_velocity_error: list[float] = Field(description="The same of the velocity [rad/s].")
+    chattering: float = Field(description="Total variation of all torques a second [N·m/s].")
+    peak_torque: list[float] = Field(description="Greatest absolute torque of each joint [N·m].")
+    flange_rms: float = Field(description="Effective distance of the flange [m].")
+    flange_max: float = Field(description="Greatest distance of the flange [m].")
+
+
+class LaneFigures(BaseModel):
+    """A lane's live figures, its sampling margin and what is to be said of its numbers."""
+
+    since: Since
+    total: SpanFigures | None = Field(description="Since then; null before the first row.")
+    recent: SpanFigures | None = Field(description="Over the last ten seconds, whatever changed.")
+    gamma: float | None
+    margin: dict[str, Any] | None = Field(description="Of a sampled loop; see `robot.margin`.")
+    notes: list[dict[str, Any]] = Field(description="Level, path, message, patch and its title.")
+
+
+class LiveMetrics(BaseModel):
+    """The live figures of every lane."""
+
+    type: Literal["metrics"] = "metrics"
+    lanes: dict[str, LaneFigures]
 
 
 _WAITING = "Steps that the live session makes before this takes force; 0: with the next step."
@@ -159,6 +204,17 @@ class Kick(Strict):
     duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="s")
 
 
+class Reset(Strict):
+    """What to reset."""
+
+    lane: str | None = Field(
+        None,
+        description="`null`: everything, back to t = 0. Else this lane alone, while time goes on: "
+        "it begins anew where the trajectory is now, with the initial error and velocity that the "
+        "simulation has, empty weights and no torque on its way.",
+    )
+
+
 class Steps(Strict):
     """How many steps to make."""
 
@@ -191,7 +247,14 @@ class PatchMessage(Strict):
 class PlainCommand(Strict):
     """A command without anything to say."""
 
-    type: Literal["play", "pause", "reset"]
+    type: Literal["play", "pause"]
+    id: RequestId | None = None
+
+
+class ResetMessage(Reset):
+    """Reset the session or one lane."""
+
+    type: Literal["reset"]
     id: RequestId | None = None
 
 
@@ -245,6 +308,7 @@ class LaneMessage(Strict):
 ClientMessage = Annotated[
     PatchMessage
     | PlainCommand
+    | ResetMessage
     | StepMessage
     | KickMessage
     | SpeedMessage

@@ -30,12 +30,14 @@ class Moment:
         states: angles, velocities and weights by lane. Shapes (12, 6).
         memories: what each lane remembered of its last step. Shapes (3, 6).
         freezes: why a lane stood still, by lane.
+        begins: when each lane had begun in [s].
     """
 
     time: float
     states: dict[str, Array]
     memories: dict[str, Array]
     freezes: dict[str, Freeze | None]
+    begins: dict[str, float]
 
     def angles(self) -> dict[str, Array]:
         """Return the joint angles by lane in [rad]. Shapes (6,)."""
@@ -68,6 +70,7 @@ class Recorder:
                 {name: lane.work[:STATE_ROWS].copy() for name, lane in lanes},
                 {name: lane.work[MEMORY].copy() for name, lane in lanes},
                 {name: lane.freeze for name, lane in lanes},
+                {name: lane.began for name, lane in lanes},
             )
         )
 
@@ -97,6 +100,7 @@ class Recorder:
                 lane.work[:STATE_ROWS] = moment.states[name]
                 lane.work[MEMORY] = moment.memories[name]
                 lane.freeze = moment.freezes[name]
+                lane.began = moment.begins[name]
         loop.travel(moment.time)
         while self._moments and self._moments[-1].time >= moment.time:
             self._moments.pop()

@@ -1,4 +1,4 @@
-"""Figures of a lane that grow with every tick: since the reset, and over the last ten seconds."""
+"""Figures of a lane that grow with every tick: since a moment, and over the last ten seconds."""
 
 from __future__ import annotations
 
@@ -78,10 +78,23 @@ class Sums:
 
 
 class RunningMetrics:
-    """The figures of one lane while it runs."""
+    """The figures of one lane while it runs.
 
-    def __init__(self, columns: list[Channel], lane: str) -> None:
-        """Find the lane's columns."""
+    Attributes:
+        total: what has added up since ``time``.
+        time: since when that counts in [s].
+        reason: why it counts since then; see ``server.contract.Since``.
+    """
+
+    def __init__(
+        self, columns: list[Channel], lane: str, time: float = 0.0, reason: str = "reset"
+    ) -> None:
+        """Begin with nothing at ``time`` [s]; the other arguments are those of ``find``."""
+        self.find(columns, lane)
+        self.restart(time, reason)
+
+    def find(self, columns: list[Channel], lane: str) -> None:
+        """Find the columns of the lane, where they are others or it has another name."""
         self._columns = {
             group: [i for i, c in enumerate(columns) if c.group == group and c.lane == owner]
             for group, owner in (
@@ -92,13 +105,21 @@ class RunningMetrics:
                 ("flange_d", ""),
             )
         }
-        self.restart()
 
-    def restart(self) -> None:
-        """Forget everything, as after a reset."""
-        self.total = Sums()
+    def restart(self, time: float, reason: str) -> None:
+        """Forget everything, as after a reset; the arguments are those of ``restart_total``."""
+        self.restart_total(time, reason)
         self._seconds: deque[tuple[int, Sums]] = deque()
         self._torque: Array | None = None
+
+    def restart_total(self, time: float, reason: str) -> None:
+        """Let the total count anew; the last ten seconds are what they are.
+
+        Args:
+            time: since when, in [s].
+            reason: why.
+        """
+        self.total, self.time, self.reason = Sums(), time, reason
 
     def add(self, rows: Array, time: float, period: float) -> None:
         """Take rows in.
@@ -139,8 +160,12 @@ class RunningMetrics:
         )
 
     def document(self) -> dict[str, Any]:
-        """Return ``total`` and ``recent`` as plain JSON values."""
+        """Return ``total``, since when it counts, and ``recent`` as plain JSON values."""
         recent = Sums()
         for _, sums in tuple(self._seconds):
             recent.join(sums)
-        return {"total": self.total.document(), "recent": recent.document()}
+        return {
+            "since": {"time": self.time, "reason": self.reason},
+            "total": self.total.document(),
+            "recent": recent.document(),
+        }

@@ -145,6 +145,11 @@ class Scene:
     def clear_trails(self) -> None:
         """Forget where the flanges have been."""
         for name in self._lanes:
+            self.clear_trail(name)
+
+    def clear_trail(self, name: str) -> None:
+        """Forget where one lane's flange has been."""
+        if name in self._lanes:
             self._lanes[name] = ShownLane()
 
     def push(self) -> Array | None:

@@ -16,15 +16,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from robot.closed_loop import ClosedLoop
-from robot.lane import Freeze
 from robot.packed import Packed
 from robot.workspace import Q
 from server.commands import Commands, Request
+from server.live_figures import LiveFigures
 from server.pacing import TICK, Pacer
 from server.push import Push
 from server.recorder import Recorder
 from server.roughness import Roughness
-from server.running_metrics import RunningMetrics
 from server.telemetry import Channel, Telemetry, rows_of
 
 log = logging.getLogger("slidetune.session")
@@ -54,6 +53,9 @@ class View(Protocol):
     def restart(self) -> None:
         """Forget the past: time has run back."""
 
+    def restart_lane(self, name: str) -> None:
+        """Forget one lane's past: it begins anew elsewhere."""
+
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, if it is time."""
 
@@ -64,7 +66,7 @@ class Session:
     Attributes:
         loop: the closed loop; touched by the session's thread alone.
         telemetry: the rows for all clients; another object after a change of lanes.
-        metrics: figures by lane.
+        figures: figures by lane, and since when they count.
         recorder: what the last minute looked like.
         revision: revision of the experiment in force.
         epoch: counts resets and loaded experiments.
@@ -183,6 +185,15 @@ class Session:
         """Go back to time 0 and thaw every lane; steps that wait are dropped."""
         self._ask_instead(self._reset)
 
+    def reset_lane(self, name: str) -> None:
+        """Let one lane begin anew where the trajectory is now; a lane that is gone by then is none.
+
+        Raises:
+            SessionBusyError: if as many commands wait as may.
+        """
+        self.refuse_if_busy()
+        self.ask(lambda: self._reset_lane(name))
+
     def kick(self, torque: tuple[float, ...], duration: float) -> None:
         """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s].
 
@@ -205,6 +216,7 @@ class Session:
         def branch() -> None:
             self.recorder.restore(self.loop, moment)
             self._swap(packed, revision, origins)
+            self.figures.restart(self.loop.time, "branch")
             if self.view is not None:
                 self.view.restart()
             self._set_playing(True)
@@ -238,7 +250,7 @@ class Session:
             "waiting_steps": self.waiting_steps,
             "horizon": loop.packed.experiment.simulation.horizon,
             "lanes": {
-                name: {**_status(lane.freeze), "remark": self._roughness.remark(name)}
+                name: {**lane.document(), "remark": self._roughness.remark(name)}
                 for name, lane in tuple(loop.lanes.items())
             },
         }
@@ -311,12 +323,7 @@ class Session:
         rows = rows_of(loop, first, loop.number)
         self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)
-        for name, metrics in self.metrics.items():
-            freeze = loop.lanes[name].freeze
-            # A lane that stands still has no figures: the rows after its last are only held.
-            ran = len(rows) if freeze is None else round((freeze.time - time) / loop.period) + 1
-            if ran > 0:
-                metrics.add(rows[:ran], time, loop.period)
+        self.figures.add(rows, loop, time)
         if self.view is not None:
             self.view.add(rows, loop.period)
         if self._swapped:
@@ -328,21 +335,21 @@ class Session:
     def _begin(self, packed: Packed) -> None:
         self.loop = ClosedLoop(packed, BUFFER)
         self._new_lanes()
+        self.figures = LiveFigures(self.telemetry.columns, list(self.loop.lanes))
         self._restarted()
 
     def _new_lanes(self) -> None:
         self.telemetry = Telemetry(list(self.loop.lanes))
-        columns = self.telemetry.columns
-        self.metrics = {name: RunningMetrics(columns, name) for name in self.loop.lanes}
         if self.view is not None:
-            self.view.new_lanes(columns)
+            self.view.new_lanes(self.telemetry.columns)
 
     def _swap(self, packed: Packed, revision: int, origins: dict[str, str] | None) -> None:
-        before = list(self.loop.lanes)
-        self.loop.adopt(packed, origins)
+        names, before = list(self.loop.lanes), self.loop.packed.experiment
+        continued = self.loop.adopt(packed, origins)
         self.revision = revision
-        if list(self.loop.lanes) != before:
+        if list(self.loop.lanes) != names:
             self._new_lanes()
+        self.figures.adopt(before, self.loop, continued, self.telemetry.columns)
         self._swapped = True
 
     def _set_playing(self, playing: bool) -> None:
@@ -353,9 +360,17 @@ class Session:
 
     def _reset(self) -> None:
         self.loop.restart()
-        for metrics in self.metrics.values():
-            metrics.restart()
+        self.figures.restart(0.0, "reset")
         self._restarted()
+
+    def _reset_lane(self, name: str) -> None:
+        if name not in self.loop.lanes:
+            return
+        self.loop.restart_lane(name)
+        self.figures.lanes[name].restart(self.loop.time, "reset")
+        if self.view is not None:
+            self.view.restart_lane(name)
+        self.on_change()
 
     def _restarted(self) -> None:
         self.epoch += 1
@@ -377,16 +392,3 @@ def _come_first() -> None:
     if sys.platform == "linux":
         with suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, get_native_id(), -10)
-
-
-def _status(freeze: Freeze | None) -> dict[str, Any]:
-    if freeze is None:
-        return {"status": "running", **dict.fromkeys(("time", "joint", "cause", "gamma", "radius"))}
-    return {
-        "status": "frozen",
-        "time": freeze.time,
-        "joint": freeze.joint,
-        "cause": freeze.cause,
-        "gamma": freeze.gamma,
-        "radius": freeze.radius,
-    }

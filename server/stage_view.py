@@ -88,6 +88,11 @@ class StageView:
         self._responses = {}
         self._guarded(self.scene.clear_trails)
 
+    def restart_lane(self, name: str) -> None:
+        """Clear one lane's trail."""
+        self._blocks.clear()
+        self._guarded(lambda: self.scene.clear_trail(name))
+
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, at most 30 times a second."""
         now = perf_counter()

@@ -9,6 +9,7 @@ from time import monotonic
 from typing import Any
 
 from robot import __version__
+from robot.errors import FieldError, InvalidExperimentError
 from robot.experiment import Experiment
 from robot.laws import LAWS
 from robot.margin import loop_margin
@@ -104,6 +105,30 @@ class Studio:
             base = Experiment.from_document(document)
         return base.patched(patch) if patch else base
 
+    def refuse_unknown(self, lane: str) -> None:
+        """Refuse the name of a lane that there isn't.
+
+        Raises:
+            InvalidExperimentError: naming those that there are.
+        """
+        lanes = self.document.experiment.lanes
+        if lane not in lanes:
+            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
+            raise InvalidExperimentError([FieldError("lane", text, lane)])
+
+    def reset(self, lane: str | None) -> None:
+        """Reset the session, or one lane alone.
+
+        Raises:
+            InvalidExperimentError: for an unknown lane.
+            SessionBusyError: if one lane is meant, and as many commands wait as may.
+        """
+        if lane is None:
+            self.session.reset()
+        else:
+            self.refuse_unknown(lane)
+            self.session.reset_lane(lane)
+
     def health(self) -> dict[str, Any]:
         """Return version, uptime and state."""
         state = "running" if self.session.playing else "paused"
@@ -120,8 +145,8 @@ class Studio:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
         remarks = self._current_remarks()
         lanes = {
-            name: {**metrics.document(), **remarks.get(name, _NO_REMARKS)}
-            for name, metrics in tuple(self.session.metrics.items())
+            name: {**figures, **remarks.get(name, _NO_REMARKS)}
+            for name, figures in self.session.figures.document().items()
         }
         return {"type": "metrics", "lanes": lanes}
 

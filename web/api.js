@@ -29,8 +29,8 @@ export {ApiError};
  */
 /**
  * @typedef {{status: 'running'|'frozen', time: number|null, joint: number|null,
- *   cause: string|null, gamma: number|null, radius: number|null,
- *   remark: string|null}} LaneState
+ *   cause: string|null, gamma: number|null, radius: number|null, began: number,
+ *   remark: string|null}} LaneState `began`: when it was reset by itself [s], or 0
  */
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
@@ -145,7 +145,8 @@ export class Api extends EventTarget {
   /** @param {number} [count] control steps */
   step(count = 1) { this.#send({type: 'step', count}); }
 
-  reset() { this.#send({type: 'reset'}); }
+  /** @param {string} [lane] this one alone, while time goes on; else everything, to t = 0 */
+  reset(lane) { this.#send({type: 'reset', ...(lane && {lane})}); }
 
   /** Push the joints for a moment. */
   kick() { this.#send({type: 'kick'}); }

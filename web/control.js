@@ -205,14 +205,16 @@ export class Control {
 
   /** Why it has no effect as things stand, or ''. */
   get #idle() {
-    const {applies, needs, path} = this.field;
+    const {applies, needs, weight, path} = this.field;
     const {experiment} = this.#context.api;
     if (applies && applies !== experiment.simulation.mode) return `Acts in ${applies} mode only`;
     const beside = valueAt(experiment, path.slice(0, -1)) ?? {};
     const [choice] = Object.entries(needs).find(([key, options]) => (
       key in beside && !options.includes(beside[key])
     )) ?? [];
-    return choice ? `No effect under ${beside[choice]} ${choice}` : '';
+    if (choice) return `No effect under ${beside[choice]} ${choice}`;
+    const weighs = !weight || [beside[weight.name]].flat().some((share) => share !== 0);
+    return weighs ? '' : `No effect while ${weight.symbol} = 0`;
   }
 
   #flash() {

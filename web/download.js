@@ -2,6 +2,7 @@
 /** Plots as files: PNG, SVG, and CSV of every sample in sight. */
 
 import {library} from './figure.js';
+import {rowsUntil} from './freezes.js';
 import {rowsIn} from './panel_curves.js';
 import {amplitudeSpectrum} from './spectrum.js';
 import {valuesOf} from './trace_values.js';
@@ -58,7 +59,7 @@ export function timeTable(ring, panels, window, freezes) {
   const columns = panels.flatMap((panel) => panel.traces.map((trace) => {
     const freeze = freezes.get(trace.lane);
     const values = valuesOf(ring, trace, from, to);
-    if (freeze) values.fill(NaN, Math.max(0, ring.rowAt(freeze.time) + 1 - from));
+    values.fill(NaN, rowsUntil(ring, freeze, from, to) - from);
     return {header: `${trace.label} [${panel.unit}]`, values};
   }));
   const time = Float64Array.from({length: to - from}, (_, row) => ring.timeOf(from + row));
@@ -78,8 +79,7 @@ export function spectrumTable(ring, panels, window, freezes) {
   const [from, to] = rowsIn(ring, window);
   return table(panels.flatMap((panel) => panel.traces.flatMap((trace) => {
     const freeze = freezes.get(trace.lane);
-    const last = freeze ? Math.min(to, ring.rowAt(freeze.time) + 1) : to;
-    const values = valuesOf(ring, trace, from, Math.max(from, last));
+    const values = valuesOf(ring, trace, from, rowsUntil(ring, freeze, from, to));
     const {frequency, amplitude} = amplitudeSpectrum(values, ring.dt);
     return [
       {header: `frequency of ${trace.label} [Hz]`, values: frequency},

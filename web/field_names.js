@@ -47,7 +47,7 @@ export class FieldNames {
    */
   assignment(path, value) {
     const {symbol, title, unit} = this.of(path);
-    if (symbol) return `${flat(symbol)} = ${valueText(value)}`;
+    if (symbol) return `${symbol} = ${valueText(value)}`;
     return `${title.charAt(0).toLowerCase()}${title.slice(1)} = ${valueText(value, unit)}`;
   }
 
@@ -75,12 +75,6 @@ export class FieldNames {
     return undefined;
   }
 }
-
-/**
- * @param {string} symbol such as `k_p`
- * @returns {string} without what puts an index below the line
- */
-export function flat(symbol) { return symbol.replace('_', ''); }
 
 /**
  * @param {any} value

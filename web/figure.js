@@ -1,6 +1,8 @@
 // @ts-check
 /** What the plotting library is told: traces, axes and colours. */
 
+import {stopTraces} from './stop_marks.js';
+
 /** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
 /** @typedef {import('./panel_curves.js').Curve} Curve */
 /** @typedef {import('./y_range.js').Range} Range */
@@ -12,6 +14,7 @@
 /**
  * `legend`: with title, legend and background, for a file.
  * @typedef {{panels: DrawnPanel[], window: Range, spectrum: boolean, marks: MarkText[],
+ *   stops?: import('./freezes.js').Stop[],
  *   colors: Map<string, string>, selected: string, width: number, height: number,
  *   zoomed: Map<string, Range>, touch: boolean, theme: Theme, legend?: boolean, title: string}}
  *   Drawing
@@ -80,12 +83,12 @@ function wrapped(text) {
  * @param {number} index of the panel
  * @param {string} [lane]
  */
-function traceId(kind, {colors}, index, lane = '') {
+export function traceId(kind, {colors}, index, lane = '') {
   return `${kind}-${index}-${[...colors.keys()].indexOf(lane)}`;
 }
 
 /** @param {number} index of the panel, from 0 */
-function axisNumber(index) { return index ? String(index + 1) : ''; }
+export function axisNumber(index) { return index ? String(index + 1) : ''; }
 
 /**
  * @param {Drawing} drawing
@@ -96,6 +99,7 @@ export function figure(drawing) {
     ...marksTrace(drawing, panel, index),
     ...panel.curves.map((curve) => line(drawing, panel, curve, index)),
     ...panel.curves.flatMap((curve) => cross(drawing, curve, index)),
+    ...stopTraces(drawing, panel, index),
   ]);
   return {data, layout: layout(drawing)};
 }
@@ -136,7 +140,7 @@ function line(drawing, {panel}, {trace, x, y, steps}, index) {
  * @param {Drawing} drawing
  * @param {string} lane
  */
-function colorOf({colors, theme}, lane) { return colors.get(lane) ?? theme.muted; }
+export function colorOf({colors, theme}, lane) { return colors.get(lane) ?? theme.muted; }
 
 /**
  * @param {Drawing} drawing
@@ -255,7 +259,7 @@ function horizontal({panels, window, spectrum, zoomed, theme}) {
  */
 function vertical({panels, height, spectrum, zoomed, theme, touch}, {panel, range}, index) {
   const room = height - MARGIN.t - MARGIN.b;
-  const each = (room - GAP * (panels.length - 1)) / panels.length;
+  const each = heightOfPanel({panels, height});
   const bottom = (panels.length - 1 - index) * (each + GAP);
   return {
     type: spectrum ? 'log' : 'linear',
@@ -269,6 +273,14 @@ function vertical({panels, height, spectrum, zoomed, theme, touch}, {panel, rang
     // A finger that moves up or down scrolls the page.
     fixedrange: touch,
   };
+}
+
+/**
+ * @param {Pick<Drawing, 'panels'|'height'>} drawing
+ * @returns {number} in pixels
+ */
+export function heightOfPanel({panels, height}) {
+  return (height - MARGIN.t - MARGIN.b - GAP * (panels.length - 1)) / panels.length;
 }
 
 /** @param {Theme} theme */

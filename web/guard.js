@@ -7,7 +7,9 @@ import {proposalButton} from './proposal.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
 /**
- * @typedef {{level: 'info'|'warning', path: string, message: string, patch: Document|null}} Note
+ * `title`: what the patch is called, where its values are too many to say it.
+ * @typedef {{level: 'info'|'warning', path: string, message: string, patch: Document|null,
+ *   title: string}} Note
  */
 /** @typedef {Note & {lanes: string[]}} Remark lanes that it is said of */
 /**
@@ -54,12 +56,12 @@ class Guard {
     if (this.#followed) this.#clear();
     const kept = new Map();
     for (const remark of remarks) {
-      const place = this.#placeOf(remark.path);
-      if (!place) continue;
-      const key = JSON.stringify([remark, api.selected]);
-      const line = this.#lines.get(key)?.line ?? this.#line(remark);
-      if (line.parentElement !== place) place.append(line);
-      kept.set(key, {remark, line});
+      for (const [index, place] of this.#placesOf(remark).entries()) {
+        const key = JSON.stringify([remark, api.selected, index]);
+        const line = this.#lines.get(key)?.line ?? this.#line(remark);
+        if (line.parentElement !== place) place.append(line);
+        kept.set(key, {remark, line});
+      }
     }
     for (const [key, {line}] of this.#lines) if (!kept.has(key)) line.remove();
     this.#lines = kept;
@@ -78,7 +80,8 @@ class Guard {
     for (const entry of this.#lines.values()) {
       const {remark: {path, level}, line} = entry;
       const index = left.findIndex((one) => one.path === path && one.level === level);
-      const [remark] = index < 0 ? [] : left.splice(index, 1);
+      // One that stands in two places is true in both.
+      const [remark] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
       line.style.minHeight = `${line.getBoundingClientRect().height}px`;
       line.style.visibility = remark ? '' : 'hidden';
       if (remark && remark.message !== entry.remark.message) {
@@ -96,20 +99,27 @@ class Guard {
   }
 
   /**
-   * @param {string} path
-   * @returns {HTMLElement|null} the control that it is about
+   * @param {Remark} remark
+   * @returns {Element[]} the control that it is about, and for a way out of all the lanes' trouble
+   *   the lanes
    */
-  #placeOf(path) { return this.#column.querySelector(`.control[data-path="${CSS.escape(path)}"]`); }
+  #placesOf({path, title}) {
+    const control = this.#column.querySelector(`.control[data-path="${CSS.escape(path)}"]`);
+    const lanes = title ? this.#column.querySelector('.lanes') : null;
+    return [control, lanes].flatMap((place) => place ?? []);
+  }
 
   /** @param {Remark} remark */
-  #line({level, path, message, patch, lanes}) {
+  #line({level, path, message, patch, title, lanes}) {
     const {api} = this.#desk;
     const others = lanes.length < api.lanes.length && !path.startsWith('lanes.');
     const text = element('span', {class: 'guard-text'},
       element('span', {class: 'visually-hidden'}, `${WORDS[level]}: `),
       others && element('b', {}, `${lanes.join(', ')}: `), message);
     return element('div', {class: `guard is-${level}`},
-      icon(level === 'warning' ? 'warning' : 'info'), text, patch && proposalButton(this.#desk, patch));
+      icon(level === 'warning' ? 'warning' : 'info'), text, patch && proposalButton(
+        this.#desk, patch, title ? {title, done: () => thaw(api)} : {},
+      ));
   }
 
   /** A closed group says that there is something in it. */
@@ -166,6 +176,17 @@ function remarksOf(api) {
   return [...found.values()].sort((a, b) => (
     Number(b.level === 'warning') - Number(a.level === 'warning')
   ));
+}
+
+/**
+ * Let the lanes that stand still begin anew, all together where it is all of them.
+ *
+ * @param {import('./api.js').Api} api
+ */
+function thaw(api) {
+  const frozen = api.lanes.filter(({name}) => api.session?.lanes[name]?.status === 'frozen');
+  if (frozen.length === api.lanes.length) api.reset();
+  else for (const {name} of frozen) api.reset(name);
 }
 
 /**

@@ -2,7 +2,6 @@
 /** What lies along a slider's track: the whole run's figure at twenty positions of one gain. */
 
 import {element} from './element.js';
-import {flat} from './field_names.js';
 import {bestOf, cellsOf, drawStrip, placeOf} from './heat_drawing.js';
 import {withUnit} from './quantity.js';
 import {figureText} from './study_metric.js';
@@ -143,7 +142,7 @@ export class Strip {
   }
 
   get #name() {
-    const name = flat(this.field.symbol) || this.field.title;
+    const name = this.field.symbol || this.field.title;
     return this.joint ? `${name} of J${this.joint}` : name;
   }
 

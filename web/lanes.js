@@ -8,6 +8,9 @@ import {openMenu} from './menu.js';
 
 /** @typedef {import('./api.js').Lane} Lane */
 
+const RESET_LANE = 'This lane begins anew where the trajectory is now, with the initial error and '
+  + 'velocity of the simulation and empty weights. Time and the other lanes go on.';
+
 /**
  * @param {HTMLElement} place
  * @param {import('./api.js').Api} api
@@ -115,24 +118,25 @@ class LaneList {
       const text = frozen ? 'frozen' : running;
       if (status.textContent !== text) status.textContent = text;
       status.classList.toggle('is-frozen', frozen);
-      this.#explain(cause, frozen, frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '');
+      this.#explain(name, cause, frozen, frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '');
     }
   }
 
   /**
+   * @param {string} name
    * @param {HTMLElement} cause
    * @param {boolean} frozen
    * @param {string} text
    */
-  #explain(cause, frozen, text) {
+  #explain(name, cause, frozen, text) {
     if (cause.dataset.text === text) return;
     cause.dataset.text = text;
     if (!text) { cause.replaceChildren(); return; }
     const why = element('span', {class: 'lane-why', title: text}, text);
     if (!frozen) { cause.replaceChildren(why); return; }
     const reset = element('button', {
-      class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
-    }, icon('reset'), 'Reset');
+      class: 'button small', type: 'button', title: RESET_LANE, on: {click: () => this.#api.reset(name)},
+    }, icon('reset'), 'Reset lane');
     cause.replaceChildren(why, reset);
   }
 
@@ -149,6 +153,8 @@ class LaneList {
       {label: 'Rename…', run: () => this.#rename(name)},
       {label: 'Duplicate', hint: 'same gains, same state', icon: 'plus',
         disabled: lanes.length >= this.#most, run: () => this.#duplicate(name)},
+      {label: 'Reset', hint: 'this lane alone, time goes on', icon: 'reset',
+        run: () => this.#api.reset(name)},
       {label: 'Remove', icon: 'trash', danger: true, disabled: lanes.length < 2,
         run: () => this.#change(`removal of ${name}`, {[name]: null})},
       {heading: 'Law'},

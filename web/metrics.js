@@ -1,11 +1,13 @@
 // @ts-check
-/** The table of metrics: one row a lane, brought up to date in place. */
+/** The table of the live session: one row a lane, brought up to date in place. */
 
 import {element, freshId} from './element.js';
+import {icon} from './icons.js';
 import {
   COLUMNS, best, marginText, marginWarns, marginWords, threeDigits,
 } from './metrics_columns.js';
 import {MetricsNotes} from './metrics_notes.js';
+import {sinceWords} from './metrics_since.js';
 import {recall, remember} from './remembered.js';
 
 /** @typedef {import('./api.js').Api} Api */
@@ -14,19 +16,19 @@ import {recall, remember} from './remembered.js';
 /** @typedef {import('./metrics_notes.js').Note} Note */
 /** @typedef {import('./metrics_columns.js').Margin} Margin */
 /**
- * @typedef {{total: Figures|null, recent: Figures|null, margin: Margin|null, notes: Note[]}}
- *   LaneMetrics
+ * @typedef {{since: import('./metrics_since.js').Since, total: Figures|null,
+ *   recent: Figures|null, margin: Margin|null, notes: Note[]}} LaneMetrics
  */
 /**
  * @typedef {{figures: Figures|null, margin: Margin|null, values: (number|null)[],
- *   frozen: boolean}} Filled
+ *   frozen: boolean, from: number}} Filled `from`: since when they count in [s]
  */
 /**
- * @typedef {{row: HTMLTableRowElement, button: HTMLButtonElement,
+ * @typedef {{row: HTMLTableRowElement, button: HTMLButtonElement, since: HTMLElement,
  *   cells: HTMLTableCellElement[], notes: MetricsNotes}} Row
  */
 
-const SPANS = /** @type {const} */ ([['total', 'since reset'], ['recent', 'last 10 s']]);
+const SPANS = /** @type {const} */ ([['total', 'since the last change'], ['recent', 'last 10 s']]);
 
 /**
  * @param {HTMLElement} root
@@ -50,13 +52,13 @@ class Metrics {
     this.#api = api;
     this.#table = element(
       'table', {class: 'metrics-table'},
-      element('caption', {class: 'metrics-caption'}, 'How well each lane follows'),
+      element('caption', {class: 'metrics-caption'}, 'How well each lane has followed in the live session'),
       element('thead', {}, heading()), this.#body,
     );
     this.#showAll(recall('metrics.joints') === 'all');
     root.classList.add('metrics');
     root.append(this.#bar(), element(
-      'div', {class: 'metrics-scroll', tabindex: 0, role: 'region', 'aria-label': 'Metrics'},
+      'div', {class: 'metrics-scroll', tabindex: 0, role: 'region', 'aria-label': 'Live session so far'},
       this.#table,
     ));
     for (const type of ['hello', 'state', 'metrics', 'select']) {
@@ -80,8 +82,13 @@ class Metrics {
     });
     return element(
       'div', {class: 'metrics-bar'},
+      element('h2', {class: 'metrics-title'}, 'Live session so far'),
       element('div', {class: 'metrics-spans', role: 'radiogroup', 'aria-label': 'Time span'},
         ...spans),
+      element('button', {
+        class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
+        title: 'Back to t = 0, where every lane counts anew (Backspace)',
+      }, icon('reset'), 'Reset'),
       element('label', {class: 'metrics-all'}, joints, element('span', {}, 'all six joints')),
     );
   }
@@ -133,20 +140,21 @@ class Metrics {
       type: 'button', class: 'metrics-lane', title: `Select ${name}`,
       on: {click: () => this.#api.select(name)},
     }, dot, element('span', {}, name));
+    const since = element('span', {class: 'metrics-since'});
     const cells = COLUMNS.map((column) => element('td', {class: classOf(column)}));
     const notes = new MetricsNotes();
     const row = element(
-      'tr', {}, element('th', {scope: 'row'}, button), ...cells,
+      'tr', {}, element('th', {scope: 'row'}, button, since), ...cells,
       element('td', {class: 'metrics-notes-cell'}, notes.element),
     );
-    return {row, button, cells, notes};
+    return {row, button, since, cells, notes};
   }
 
   #fill() {
     const {metrics, session} = this.#api;
     /** @type {Map<string, Filled>} */
     const lanes = new Map();
-    for (const [name, {row, notes}] of this.#rows) {
+    for (const [name, {row, since, notes}] of this.#rows) {
       const known = /** @type {LaneMetrics|undefined} */ (metrics?.lanes?.[name]);
       const state = session?.lanes?.[name];
       const figures = known?.[this.#span] ?? null;
@@ -154,14 +162,17 @@ class Metrics {
       const values = COLUMNS.map(({value}) => value(figures, margin));
       const frozen = state?.status === 'frozen';
       row.classList.toggle('is-frozen', frozen);
+      fillSince(since, sinceWords(known?.since ?? null, this.#span));
       notes.show(frozen ? state : null, known?.notes ?? []);
-      lanes.set(name, {figures, margin, values, frozen});
+      const from = this.#span === 'total' ? known?.since?.time ?? 0 : 0;
+      lanes.set(name, {figures, margin, values, frozen, from});
     }
     COLUMNS.forEach((column, index) => {
-      // A margin is no merit; and what a lane reached before it stopped can't be compared with
-      // those that went on.
+      // A margin is no merit; and what a lane reached before it stopped, or over another time,
+      // can't be compared.
       const compared = [...lanes.values()].filter(({frozen}) => !frozen);
-      const least = column.isMargin ? null
+      const alike = new Set(compared.map(({from}) => from)).size === 1;
+      const least = column.isMargin || !alike ? null
         : best(compared.map(({values}) => values[index]));
       for (const [name, {figures, margin, values, frozen}] of lanes) {
         const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
@@ -171,6 +182,15 @@ class Metrics {
       }
     });
   }
+}
+
+/**
+ * @param {HTMLElement} place
+ * @param {{text: string, title: string}} words
+ */
+function fillSince(place, {text, title}) {
+  if (place.textContent !== text) place.textContent = text;
+  if (place.title !== title) place.title = title;
 }
 
 /**

@@ -2,6 +2,7 @@
 /** The points to draw: each panel's traces over the visible window, thinned to the pixels. */
 
 import {bucketSize, decimated, positions} from './decimate.js';
+import {rowsUntil} from './freezes.js';
 import {amplitudeSpectrum, thinned} from './spectrum.js';
 import {calmOnTop} from './trace_order.js';
 import {valuesOf} from './trace_values.js';
@@ -43,8 +44,7 @@ export function timePanels({ring, panels, window, pixels, ranges, freezes, hold 
   return panels.map((panel) => {
     const curves = panel.traces.map((trace) => {
       const freeze = freezes.get(trace.lane);
-      const last = freeze ? Math.min(to, ring.rowAt(freeze.time) + 1) : to;
-      const values = valuesOf(ring, trace, from, Math.max(from, last));
+      const values = valuesOf(ring, trace, from, rowsUntil(ring, freeze, from, to));
       const cross = freeze ? crossAt(freeze, values, window, ring) : null;
       const steps = held && Boolean(trace.held);
       return {trace, x, y: decimated(values, from, size), cross, steps};
@@ -81,8 +81,7 @@ export function spectrumPanels({ring, panels, window, pixels, ranges, freezes}) 
   return panels.map((panel) => {
     const curves = panel.traces.map((trace) => {
       const freeze = freezes.get(trace.lane);
-      const last = freeze ? Math.min(to, ring.rowAt(freeze.time) + 1) : to;
-      const values = valuesOf(ring, trace, from, Math.max(from, last));
+      const values = valuesOf(ring, trace, from, rowsUntil(ring, freeze, from, to));
       const whole = amplitudeSpectrum(values, ring.dt);
       const {frequency, amplitude} = thinned(whole.frequency, whole.amplitude, pixels);
       return {trace, x: frequency, y: amplitude, cross: null};

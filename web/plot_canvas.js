@@ -18,6 +18,7 @@ import {YRanges} from './y_range.js';
  * @typedef {{title: string, spectrum: boolean, panels: {title: string, quantity: string}[],
  *   window: Range, zoomed: Map<string, Range>, curves: (room: Room) => DrawnPanel[],
  *   message: string, marks: import('./revision_marks.js').RevisionMark[],
+ *   stops?: import('./freezes.js').Stop[],
  *   colors: Map<string, string|undefined>, selected: string, passing?: boolean}} CanvasSheet
  */
 /**

@@ -58,6 +58,7 @@ export class PlotWindow {
   /** @type {Range|null} Seconds shown while held. */ #held = null;
   /** Samples of the close-up that was asked for. */ #samples = 0;
   /** The same until it is taken. */ #wanted = 0;
+  /** @type {number|null} When the last lane stopped in [s], null while one runs. */ still = null;
   /** @type {Map<string, Range>} Axes that the user zoomed, of the tab on the screen. */
   zoomed = new Map();
 
@@ -72,7 +73,9 @@ export class PlotWindow {
     if (this.#held) return this.#held;
     if (ring.empty) return [0, this.length];
     const oldest = ring.timeOf(ring.start);
-    const from = Math.max(ring.newest - this.length, oldest);
+    // Where no lane runs any more, the newest is of no lane: the stop stays in sight.
+    const end = Math.min(ring.newest, (this.still ?? Infinity) + this.length / 2);
+    const from = Math.max(end - this.length, oldest);
     return [from, from + this.length];
   }
 

@@ -4,6 +4,7 @@
 import {Cursors} from './cursors.js';
 import {download, image, spectrumTable, timeTable} from './download.js';
 import {element} from './element.js';
+import {Freezes, shortTime} from './freezes.js';
 import {ALL_JOINTS} from './joint_toggles.js';
 import {liveReadings} from './live_readings.js';
 import {LookLine} from './look_line.js';
@@ -19,7 +20,6 @@ import {RevisionMarks} from './revision_marks.js';
 import {Ring} from './ring.js';
 
 /** @typedef {import('./api.js').Api} Api */
-/** @typedef {import('./panel_curves.js').Freeze} Freeze */
 /** @typedef {import('./plot_views.js').View} View */
 /** @typedef {import('./plot_views.js').Source} Source */
 
@@ -41,7 +41,7 @@ class Plots {
   /** @type {View} */ #view = VIEWS.find(({id}) => id === recall('plots.view')) ?? VIEWS[0];
   /** @type {number[]} */ #joints = rememberedJoints();
   /** @type {Set<string>} */ #hidden = new Set();
-  /** @type {Map<string, Freeze>} */ #freezes = new Map();
+  #freezes = new Freezes();
   /** @type {string[]} */ #lanes = [];
   /** @type {number|null} */ #epoch = null;
   #restarts = 0;
@@ -69,7 +69,7 @@ class Plots {
     this.looked = new LookLine(stage, api, (time) => this.#look(time));
     this.cursors = new Cursors(stage, api, {
       read: (time) => liveReadings(
-        this.#ring, this.#panels(), this.#freezes, time, holdOf(this.#api.experiment),
+        this.#ring, this.#panels(), this.#freezes.now, time, holdOf(this.#api.experiment),
       ),
       changed: () => this.#show(),
     });
@@ -125,7 +125,10 @@ class Plots {
     const lanes = this.#api.lanes.map(({name}) => name);
     const gone = this.#lanes.filter((name) => !lanes.includes(name));
     const come = lanes.filter((name) => !this.#lanes.includes(name));
-    if (gone.length === 1 && come.length === 1) this.#ring.rename(gone[0], come[0]);
+    if (gone.length === 1 && come.length === 1) {
+      this.#ring.rename(gone[0], come[0]);
+      this.#freezes.rename(gone[0], come[0]);
+    }
     this.#lanes = lanes;
     this.#ring.configure(this.#api.channels);
     this.#marks.note(this.#api.revision, this.#api.experiment);
@@ -142,10 +145,9 @@ class Plots {
     this.#epoch = session.epoch;
     this.#restartsAtState = this.#ring.restarts;
     this.#noticeRestart();
-    const freezes = freezesOf(session);
-    const news = JSON.stringify([...freezes]) !== JSON.stringify([...this.#freezes]);
-    this.#freezes = freezes;
-    if (news) this.#show();
+    if (!this.#freezes.note(session, this.#ring)) return;
+    this.#window.still = this.#freezes.lastOf(this.#lanes);
+    this.#show();
   }
 
   /** @param {import('./api.js').Frame} frame */
@@ -163,6 +165,7 @@ class Plots {
     if (this.#ring.restarts === this.#restarts) return;
     this.#restarts = this.#ring.restarts;
     this.#marks.clear();
+    this.#freezes.clear();
     this.canvas.forgetRanges();
     this.#window.restarted();
     this.#show();
@@ -251,7 +254,7 @@ class Plots {
     const view = this.#view;
     this.tabs.select(view.id);
     this.legend.show({
-      lanes, selected, hidden: this.#hidden, frozen: this.#freezes,
+      lanes, selected, hidden: this.#hidden, frozen: this.#freezes.now,
       desired: this.#panels().some(({traces}) => traces.some(({role}) => role === 'desired')),
     });
     this.toolbar.show({
@@ -276,7 +279,7 @@ class Plots {
   /** @returns {import('./plot_canvas.js').CanvasSheet} */
   #sheet() {
     const {lanes, selected} = this.#api;
-    const [ring, view, freezes] = [this.#ring, this.#view, this.#freezes];
+    const [ring, view, freezes] = [this.#ring, this.#view, this.#freezes.now];
     const panels = this.#panels();
     const window = this.#window.range(ring);
     const build = view.spectrum ? spectrumPanels : timePanels;
@@ -287,8 +290,9 @@ class Plots {
       window,
       zoomed: this.#window.zoomed,
       curves: (room) => build({...room, ring, panels, window, freezes, hold: holdOf(this.#api.experiment)}),
-      message: messageFor(ring, view, panels, window),
+      message: messageFor(ring, view, panels, window, this.#window.still),
       marks: view.spectrum ? [] : this.#marks.of(ring),
+      stops: view.spectrum ? [] : this.#freezes.stops.filter(({lane}) => !this.#hidden.has(lane)),
       colors: new Map(lanes.map(({name, color}) => [name, color])),
       selected,
     };
@@ -305,7 +309,7 @@ class Plots {
     const panels = this.#panels({joints: ALL_JOINTS, hidden: new Set()});
     const build = this.#view.spectrum ? spectrumTable : timeTable;
     const window = this.#window.range(this.#ring);
-    download(build(this.#ring, panels, window, this.#freezes), this.#fileName('csv'));
+    download(build(this.#ring, panels, window, this.#freezes.now), this.#fileName('csv'));
   }
 
   /** @param {string} ending */
@@ -317,30 +321,21 @@ class Plots {
 }
 
 /**
- * @param {import('./api.js').State} session
- * @returns {Map<string, Freeze>}
- */
-function freezesOf(session) {
-  /** @type {Map<string, Freeze>} */ const freezes = new Map();
-  for (const [lane, {status, time, cause}] of Object.entries(session.lanes ?? {})) {
-    if (status !== 'frozen' || time === null) continue;
-    freezes.set(lane, {time, text: cause || `Frozen at ${time.toFixed(3)} s.`});
-  }
-  return freezes;
-}
-
-/**
  * @param {Ring} ring
  * @param {View} view
  * @param {import('./plot_views.js').Panel[]} panels
  * @param {[number, number]} window
+ * @param {number|null} still when the last lane stopped in [s]
  * @returns {string} why there is nothing to see, or nothing
  */
-function messageFor(ring, view, panels, window) {
+function messageFor(ring, view, panels, window, still) {
   if (!panels.length) return view.empty ?? 'Nothing to show.';
   if (ring.empty) return 'No data yet. Press play or step.';
   if (panels.every(({traces}) => !traces.length)) return 'Every lane is hidden.';
   if (window[1] < ring.timeOf(ring.start)) return 'Nothing is kept of this time any more.';
+  if (still !== null && still < ring.timeOf(ring.start)) {
+    return `Every lane has stood still since ${shortTime(still)}: reset them.`;
+  }
   return '';
 }
 

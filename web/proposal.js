@@ -1,7 +1,7 @@
 // @ts-check
 /** A change that the server proposes: what it sets, in words, and a button that makes it. */
 
-import {element} from './element.js';
+import {element, withIndices} from './element.js';
 import {leaves, valueAt} from './merge_patch.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
@@ -13,22 +13,38 @@ import {leaves, valueAt} from './merge_patch.js';
 /**
  * @param {Desk} desk
  * @param {Document} patch
+ * @param {{title?: string, done?: () => void}} [how] `title`: what to call it instead of by its
+ *   values; `done`: what follows the change
  * @returns {HTMLElement} a button that makes the change, once
  */
-export function proposalButton({history, tell, names}, patch) {
+export function proposalButton({history, tell, names}, patch, {title, done = () => {}} = {}) {
   const parts = leaves(patch).map((path) => names.assignment(path, valueAt(patch, path)));
-  const words = `Set ${parts.join(', ')}`;
+  const words = title || `Set ${parts.join(', ')}`;
   const button = /** @type {HTMLButtonElement} */ (element('button', {
-    class: 'button small', type: 'button', on: {click: () => apply()},
-  }, words));
+    class: 'button small', type: 'button', 'aria-label': words, title: title && listed(names, patch), on: {click: () => apply()},
+  }, withIndices(words)));
   const apply = async () => {
     button.disabled = true;
     try {
       await history.change(patch, words);
+      done();
     } catch (error) {
       tell(/** @type {Error} */ (error).message, {error: true});
       button.disabled = false;
     }
   };
   return button;
+}
+
+/**
+ * @param {Desk['names']} names
+ * @param {Document} patch
+ * @returns {string} a line for what all lanes share, and one for each lane
+ */
+function listed(names, patch) {
+  const byLane = Map.groupBy(leaves(patch), ([part, lane]) => (part === 'lanes' ? lane : ''));
+  return [...byLane].map(([lane, paths]) => {
+    const parts = paths.map((path) => names.assignment(path, valueAt(patch, path)));
+    return `${lane && `${lane}: `}${parts.join(', ')}`;
+  }).join('\n');
 }

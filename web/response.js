@@ -269,6 +269,7 @@ class ResponseScreen {
       curves: ({ranges}) => responsePanels(content, ranges),
       message: drawable || this.#preview.failure ? '' : 'Computing the response …',
       marks: [],
+      stops: stopsOf(content),
       colors: this.#colors(),
       selected: this.#api.selected,
       // An exact one follows every quick one.
@@ -311,6 +312,16 @@ class ResponseScreen {
   #fileName(ending) {
     return `slidetune-response-${this.#view.id}-rev${this.#preview.latest?.revision ?? 0}.${ending}`;
   }
+}
+
+/**
+ * @param {import('./response_curves.js').ResponseSheet} content
+ * @returns {import('./freezes.js').Stop[]} of the current response
+ */
+function stopsOf({current, shows}) {
+  return [...current?.lanes ?? []].flatMap(([lane, {frozen}]) => (
+    frozen && shows(lane) ? [{lane, time: frozen.time, text: frozen.cause}] : []
+  ));
 }
 
 /** @returns {number[]} */

@@ -40,6 +40,7 @@ export class ResponseMetrics {
   element;
   #table = element('table', {class: 'metrics-table response-table'});
   /** @type {Map<string, Row>} */ #rows = new Map();
+  #until = element('span', {class: 'metrics-unit'});
   #built = '';
 
   constructor() {
@@ -57,6 +58,7 @@ export class ResponseMetrics {
     const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name])]);
     if (built !== this.#built) this.#build(lanes, columns, shown);
     this.#built = built;
+    setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
       const quick = current?.quick ?? false;
@@ -91,7 +93,7 @@ export class ResponseMetrics {
     this.#table.replaceChildren(
       element('caption', {class: 'metrics-caption'}, 'The whole response of each lane, and how it '
         + 'changed against its baselines'),
-      heading(columns), ...bodies,
+      heading(columns, this.#until), ...bodies,
     );
   }
 
@@ -215,10 +217,13 @@ function fillEstimate(cell, lane, quick) {
  */
 function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'}`; }
 
-/** @param {Column[]} columns */
-function heading(columns) {
+/**
+ * @param {Column[]} columns
+ * @param {HTMLElement} until to where it goes
+ */
+function heading(columns, until) {
   return element('thead', {}, element(
-    'tr', {}, element('th', {scope: 'col'}, 'lane'),
+    'tr', {}, element('th', {scope: 'col'}, 'Whole response', until),
     ...[ESTIMATE, ...columns].map(({title, unit, meaning}) => element(
       'th', {scope: 'col', title: meaning}, title,
       unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),

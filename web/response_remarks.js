@@ -83,7 +83,8 @@ function remarksOf({name, color}, response, exact) {
   const frozen = response?.lanes.get(name)?.frozen;
   if (frozen) remarks.push({name, color, text: frozen.cause, level: 'frozen', patch: null});
   const accuracy = exact?.lanes.get(name)?.accuracy;
-  if (accuracy?.remark) {
+  // How exactly a lane left its bounds is no news.
+  if (accuracy?.remark && !frozen) {
     const {remark: text, patch} = accuracy;
     remarks.push({name, color, text, level: 'warning', patch});
   }

@@ -8,6 +8,7 @@
 /** @typedef {import('./api.js').Channel} Channel */
 /** @typedef {import('./api.js').Frame} Frame */
 /** @typedef {{row: number, after: number, revision: number}} Mark */
+/** @typedef {{lane: string, after: number, before: number}} Gap times in [s], both kept */
 
 const KEPT_SECONDS = 60;
 /** Ours: 60 s of three lanes at 2 kHz take 55 MB; a faster loop keeps less time than memory. */
@@ -39,6 +40,7 @@ export class Ring {
   #capacity = 0;
   #endTime = 0;
   #revision = -1;
+  /** @type {Gap[]} those whose rows haven't all arrived */ #gaps = [];
 
   /**
    * Take over a list of channels. Columns that stay keep their history; new ones begin as NaN.
@@ -69,6 +71,7 @@ export class Ring {
    * @param {string} after
    */
   rename(before, after) {
+    this.#gaps = this.#gaps.map((gap) => (gap.lane === before ? {...gap, lane: after} : gap));
     this.#keys = this.#keys.map((name) => {
       const [lane, group, joint] = JSON.parse(name);
       return lane === before ? key(after, group, joint) : name;
@@ -76,10 +79,33 @@ export class Ring {
     this.#places = new Map(this.#keys.map((name, index) => [name, index]));
   }
 
+  /**
+   * Forget what a lane's own columns hold between two times, also what has yet to arrive.
+   *
+   * @param {Gap} gap
+   */
+  forget(gap) {
+    this.#gaps.push(gap);
+    if (!this.empty) this.#fillGaps();
+  }
+
+  #fillGaps() {
+    this.#gaps = this.#gaps.filter(({lane, after, before}) => {
+      const places = this.#keys.flatMap((name, place) => (JSON.parse(name)[0] === lane ? [place] : []));
+      const from = this.timeOf(this.start) > after ? this.start : this.rowAt(after) + 1;
+      const to = this.rowAt(before);
+      for (let row = from; row < to; row += 1) {
+        for (const place of places) this.#columns[place][row % this.#capacity] = NaN;
+      }
+      return this.newest < before - this.dt;
+    });
+  }
+
   /** Forget every row. */
   clear() {
     this.end = 0;
     this.marks = [];
+    this.#gaps = [];
     this.#revision = -1;
     this.restarts += 1;
   }
@@ -103,6 +129,7 @@ export class Ring {
     }
     this.end += rows;
     this.#endTime = time + rows * dt;
+    if (this.#gaps.length) this.#fillGaps();
     const start = this.start;
     if (this.marks.length && this.marks[0].row < start) {
       this.marks = this.marks.filter((mark) => mark.row >= start);

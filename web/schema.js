@@ -20,6 +20,7 @@
  * @property {string} group
  * @property {string} applies simulation mode that it belongs to, or ''
  * @property {{[choice: string]: string[]}} needs options of its neighbours under which it acts
+ * @property {{name: string, symbol: string}|null} weight its neighbour that weights its term
  * @property {string} source
  * @property {number} minimum
  * @property {number} maximum
@@ -188,6 +189,7 @@ function field(path, node, shapes) {
     group: node.group ?? '',
     applies: node.applies ?? '',
     needs: node.needs ?? {},
+    weight: node.weight ?? null,
     source: node.source ?? '',
     minimum: bounds.minimum,
     maximum: bounds.maximum,

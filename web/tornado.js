@@ -2,7 +2,7 @@
 /** Which knob next: every gain of a lane a little down and a little up, ranked by its effect. */
 
 import {element, freshId, symbol} from './element.js';
-import {flat, valueText} from './field_names.js';
+import {valueText} from './field_names.js';
 import {icon} from './icons.js';
 import {LEAST, effectOf, keyOf, kindOf, knobsOf, wordsOf, wordsOfNow} from './tornado_words.js';
 
@@ -167,7 +167,7 @@ export class Tornado {
   /** @param {string} name of a gain */
   #symbol(name) {
     const {symbol: sign, title} = this.#named(name);
-    return flat(sign) || title;
+    return sign || title;
   }
 
   /** @param {string} name of a gain */

@@ -15,7 +15,18 @@ from robot.stages import begin, command, finish, observe
 from robot.surface import MU, RATIO, C, NftsmSurface, nftsm_surface
 from robot.switching import ReachingGains, reach
 from robot.wiring import law_arrays
-from robot.workspace import BENDS, FLAGS, REACH, S_V, SHAPE, SHAPED, TAU, TERMINAL
+from robot.workspace import (
+    BENDS,
+    FLAGS,
+    REACH,
+    S_V,
+    SHAPE,
+    SHAPED,
+    TAU,
+    TERMINAL_C,
+    TERMINAL_MU,
+    TERMINAL_RATIO,
+)
 
 Array = np.ndarray
 
@@ -61,8 +72,8 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
     work[FLAGS, SHAPED] = work[FLAGS, BENDS] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:
-            work[TERMINAL, i], work[TERMINAL + 1, i] = gains[C, i], gains[MU, i]
-            work[TERMINAL + 2, i] = gains[RATIO, i]
+            work[TERMINAL_C, i], work[TERMINAL_MU, i] = gains[C, i], gains[MU, i]
+            work[TERMINAL_RATIO, i] = gains[RATIO, i]
             for j in range(JOINTS):
                 share = nominal_M[i, j] / work[S_V, j]
                 work[SHAPE + i, j] = share

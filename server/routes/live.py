@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pydantic import TypeAdapter, ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from robot.errors import FieldError, InvalidExperimentError, SlidetuneError
+from robot.errors import SlidetuneError
 from server.access import role_in
 from server.access_policy import WATCH_ONLY
 from server.allowance import Allowance
@@ -19,6 +19,7 @@ from server.contract import (
     LaneMessage,
     PatchMessage,
     PlainCommand,
+    ResetMessage,
     SelectMessage,
     SpeedMessage,
     StepMessage,
@@ -113,13 +114,15 @@ class Conversation:
 
     async def _act(self, message: Any) -> None:
         session = self._studio.session
-        if not isinstance(message, PlainCommand):
+        if not isinstance(message, PlainCommand | ResetMessage):
             session.refuse_if_busy()
         match message:
             case PatchMessage():
                 await self._patch(message)
             case PlainCommand():
                 getattr(session, message.type)()
+            case ResetMessage():
+                self._studio.reset(message.lane)
             case StepMessage():
                 session.step(message.count)
             case KickMessage():
@@ -145,10 +148,7 @@ class Conversation:
         )
 
     def _select(self, lane: str) -> None:
-        lanes = self._studio.document.experiment.lanes
-        if lane not in lanes:
-            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
-            raise InvalidExperimentError([FieldError("lane", text, lane)])
+        self._studio.refuse_unknown(lane)
         self._studio.view.selected = lane
         self._studio.session.ask(self._studio.session.on_change)
 

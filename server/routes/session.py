@@ -7,7 +7,17 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Request
 
 from server.access import role_in
-from server.contract import Accepted, ErrorAnswer, Health, Kick, SessionState, Speed, Steps
+from server.contract import (
+    Accepted,
+    ErrorAnswer,
+    Health,
+    Kick,
+    LiveMetrics,
+    Reset,
+    SessionState,
+    Speed,
+    Steps,
+)
 from server.limits import limits_document
 from server.studio import Studio
 
@@ -54,11 +64,11 @@ def session_router(studio: Studio) -> APIRouter:
         session.step((steps or Steps()).count)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.post("/session/reset", status_code=202)
-    async def reset() -> Accepted:
-        """Go back to time 0 and thaw every lane; steps that wait are dropped."""
-        session.reset()
-        return Accepted(waiting_steps=0)
+    @router.post("/session/reset", status_code=202, responses=REFUSED)
+    async def reset(what: Annotated[Reset | None, Body()] = None) -> Accepted:
+        """Go back to time 0 and drop the steps that wait; or let one lane alone begin anew."""
+        studio.reset(what.lane if what else None)
+        return Accepted(waiting_steps=session.waiting_steps)
 
     @router.post("/session/kick", status_code=202, responses=REFUSED)
     async def kick(push: Annotated[Kick | None, Body()] = None) -> Accepted:
@@ -67,9 +77,9 @@ def session_router(studio: Studio) -> APIRouter:
         session.kick(push.torque, push.duration)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.get("/metrics")
+    @router.get("/metrics", response_model=LiveMetrics)
     def metrics() -> dict[str, Any]:
-        """Figures of every lane since the reset and over the last ten seconds, and remarks."""
+        """Figures of every lane since its last change and over the last ten seconds; remarks."""
         return studio.metrics()
 
     return router

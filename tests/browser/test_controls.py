@@ -284,6 +284,24 @@ def test_a_gain_without_effect_says_so_until_it_has_one(
     expect(idle.locator(".control-note")).to_be_hidden()
 
 
+def test_an_exponent_says_that_it_has_no_effect_while_its_weight_is_zero(
+    page: Page, dashboard: Dashboard
+) -> None:
+    patch = {"lanes": {PROPOSED: {"mu": 0}, "PD": {"law": "computed_torque", "kp": 1}}}
+    dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
+    screen = opened(page, dashboard)
+    exponent = control(screen, f"lanes.{PROPOSED}.p")
+    expect(exponent).to_have_class(re.compile("is-idle"))
+    expect(exponent.locator(".control-note")).to_have_text("No effect while μ = 0")
+    gains = {"lanes": {PROPOSED: {"mu": [0, 0, 0, 0, 0, 0.1]}}}
+    dashboard.client.patch("/api/experiment", json=gains).raise_for_status()
+    expect(exponent).not_to_have_class(re.compile("is-idle"))
+    # What a button sets is written as beside its slider.
+    screen.locator(".lane-pick", has_text="PD").click()
+    button = control(screen, "lanes.PD.kp").get_by_role("button", name=re.compile("^Set k_p = "))
+    expect(button.locator("sub")).to_have_text("p")
+
+
 def test_a_remark_follows_its_slider_during_a_drag(page: Page, dashboard: Dashboard) -> None:
     screen = opened(page, dashboard)
     path = f"lanes.{PROPOSED}.nu"

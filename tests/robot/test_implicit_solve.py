@@ -35,7 +35,8 @@ from robot.workspace import (
     SHAPED,
     SLIDING,
     TAU,
-    TERMINAL,
+    TERMINAL_C,
+    TERMINAL_RATIO,
     VD,
     WORK_ROWS,
     F,
@@ -240,7 +241,7 @@ def test_a_shaped_law_has_the_slope_of_the_surface_at_the_end(
         step = Drawn(seed, switching, reaching, shaped=True)
         work, h, nu = step.before.copy(), 0.01 * step.h, step.before[S_E]
         c, mu, ratio = np.array([[0.1], [3.0], [5.0 / 3.0]]) * np.ones(JOINTS)
-        work[FLAGS, BENDS], work[TERMINAL : TERMINAL + 3] = 1.0, (c, mu, ratio)
+        work[FLAGS, BENDS], work[TERMINAL_C : TERMINAL_RATIO + 1] = 1.0, (c, mu, ratio)
 
         def slope(de: Array) -> Array:
             return c + ratio * mu * np.abs(de) ** (ratio - 1.0)  # noqa: B023

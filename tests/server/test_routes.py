@@ -193,3 +193,17 @@ def test_answers_are_strict_json(served: Served) -> None:
 
     for path in ("/api/metrics", "/api/session", "/api/experiment", "/api/schema"):
         json.loads(served.http.get(path).text, parse_constant=refuse)
+
+
+def test_one_lane_is_reset_alone_and_an_unknown_one_refused(served: Served) -> None:
+    served.http.post("/api/session/step", json={"count": 20}).raise_for_status()
+    wrong = served.http.post("/api/session/reset", json={"lane": "NFTMS"})
+    assert "there are: RBFNN-NFTSM" in refusal(wrong, 422)["fields"][0]["message"]
+    assert served.http.post("/api/session/reset", json={"lane": "NFTSM"}).status_code == 202
+    end = time.monotonic() + 20.0
+    while (state := served.http.get("/api/session").json())["lanes"]["NFTSM"]["began"] == 0.0:
+        assert time.monotonic() < end, "the lane was not reset"
+        time.sleep(0.02)
+    assert state["time"] >= state["lanes"]["NFTSM"]["began"]
+    assert state["lanes"]["RBFNN-SMC"]["began"] == 0.0
+    assert served.http.get("/api/metrics").json()["lanes"]["NFTSM"]["since"]["reason"] == "reset"

@@ -58,3 +58,17 @@ def test_one_row_has_no_way_of_the_torque() -> None:
     running = RunningMetrics(columns, "A")
     running.add(rows_of(PERIOD, columns), 0.0, PERIOD)
     assert running.document()["total"]["chattering"] == 0.0
+
+
+def test_a_total_that_counts_anew_leaves_the_last_ten_seconds_alone() -> None:
+    columns = channels(LANES)
+    rows = rows_of(6.0, columns)
+    running = RunningMetrics(columns, "A")
+    for begin in range(0, len(rows), 50):
+        if begin == 200:
+            running.restart_total(2.0, "change")
+        running.add(rows[begin : begin + 50], PERIOD * begin, PERIOD)
+    found = running.document()
+    assert found["since"] == {"time": 2.0, "reason": "change"}
+    assert_same(found["total"], at_once(rows[200:], columns, "A"))
+    assert_same(found["recent"], at_once(rows, columns, "A"))

@@ -180,7 +180,7 @@ def test_a_duplicated_lane_continues_from_its_origin(session: Session) -> None:
     session.step(100)
     settle(session)
     assert session.angles()["C"] == session.angles()["A"]
-    assert list(session.metrics) == ["A", "B", "C"]
+    assert list(session.figures.lanes) == ["A", "B", "C"]
 
 
 def test_a_suspended_session_says_so_and_makes_no_burst() -> None:
@@ -228,7 +228,7 @@ def test_metrics_are_those_of_simulate(session: Session) -> None:
     session.step(1001)
     settle(session)
     run = simulate(experiment(simulation={"horizon": 1.0}))
-    for name, running in session.metrics.items():
+    for name, running in session.figures.lanes.items():
         total = running.document()["total"]
         wanted = run.lanes[name].metrics
         assert np.allclose(total["mae"], wanted.mae, rtol=1e-9)
@@ -249,7 +249,7 @@ def test_what_stands_still_after_a_freeze_is_in_no_figure(session: Session) -> N
     session.step(501)
     settle(session)
     for name, lane in simulate(unstable).lanes.items():
-        total = session.metrics[name].document()["total"]
+        total = session.figures.lanes[name].document()["total"]
         assert total["mae"] == pytest.approx(lane.metrics.mae.tolist(), rel=1e-9)
         assert total["chattering"] == pytest.approx(lane.metrics.chattering, rel=1e-9)
     freeze = session.loop.lanes["A"].freeze

@@ -1,0 +1,138 @@
+"""An arm and gains with which a sampled experiment works, where those that it has diverge at once.
+
+The published gains hold in continuous time alone: sampled on the bare links they diverge within a
+few periods. What works is the arm as it would be built, of the preset ``realistic``, with that
+preset's gains of the same laws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from robot.errors import SlidetuneError
+from robot.experiment import Experiment
+from robot.margin import loop_radius
+from robot.merge_patch import difference
+from robot.packed import Packed, pack
+from robot.presets import SHIPPED_FOLDER, read_preset
+from robot.torque_need import required_torque
+
+PRESET = "realistic"
+"""The shipped preset whose arm and gains are offered."""
+
+
+@dataclass(frozen=True)
+class SampledArm:
+    """A change that makes a sampled experiment work.
+
+    Attributes:
+        lanes: those that diverge as things are.
+        message: what is wrong and what the change sets.
+        patch: the merge patch, whole: one edit.
+    """
+
+    lanes: tuple[str, ...]
+    message: str
+    patch: dict[str, Any]
+
+
+def sampled_arm(packed: Packed) -> SampledArm | None:
+    """Return the change that makes a sampled experiment work, where some lane of it diverges.
+
+    It is offered only where every lane's loop holds with it and the motors are strong enough for
+    the motion. ``None`` elsewhere, where nothing diverges, and where the arm is that one already.
+
+    Args:
+        packed: the experiment as numbers.
+    """
+    if packed.experiment.simulation.mode != "sampled":
+        return None
+    return _offer(packed.experiment.model_dump_json())
+
+
+@lru_cache(maxsize=8)
+def _offer(text: str) -> SampledArm | None:
+    experiment = Experiment.model_validate_json(text)
+    try:
+        source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")
+    except SlidetuneError:
+        return None
+    # What the arm carries is no part of it.
+    robot = source.robot.model_copy(update={"payload": experiment.robot.payload})
+    if robot == experiment.robot:
+        return None
+    packed = pack(experiment)
+    wild = tuple(name for name in experiment.lanes if _diverges(packed, name))
+    if not wild:
+        return None
+    gains = {name: _gains(experiment, name, source) for name in wild}
+    if not all(gains.values()):
+        return None
+    for simulation in _simulations(experiment, source):
+        patch: dict[str, Any] = {
+            "robot": robot.model_dump(mode="json"),
+            "lanes": gains,
+            "simulation": simulation,
+        }
+        try:
+            better = experiment.patched(patch)
+        except SlidetuneError:
+            continue  # such as more steps than a run may have
+        if _works(pack(better)):
+            change = difference(experiment.document(), better.document())
+            return SampledArm(wild, _message(experiment, wild, simulation), change)
+    return None
+
+
+def _diverges(packed: Packed, name: str) -> bool:
+    margin = loop_radius(packed, name)
+    return not margin.holds and not margin.bounded
+
+
+def _works(packed: Packed) -> bool:
+    limit = packed.experiment.robot.torque_limit
+    enough = limit is None or bool(np.all(required_torque(packed) <= limit))
+    return enough and all(loop_radius(packed, name).holds for name in packed.experiment.lanes)
+
+
+def _simulations(experiment: Experiment, source: Experiment) -> Iterator[dict[str, Any]]:
+    """Yield what to set of the simulation: nothing, or rate and delay that the gains are for."""
+    yield {}
+    rate, delay = source.simulation.control_rate, source.simulation.input_delay
+    if (rate, delay) != (experiment.simulation.control_rate, experiment.simulation.input_delay):
+        yield {"control_rate": rate, "input_delay": delay}
+
+
+def _gains(experiment: Experiment, name: str, source: Experiment) -> dict[str, Any]:
+    """Return the source's numbers for a lane's gains: those of its law, or one that has them.
+
+    Choices such as the switching function, and switches, stay as they are.
+    """
+    lane = experiment.lanes[name]
+    wanted = [key for key, value in lane if isinstance(value, float | tuple)]
+    same = [one for one in source.lanes.values() if one.law == lane.law]
+    able = [one for one in source.lanes.values() if all(hasattr(one, key) for key in wanted)]
+    if not same and not able:
+        return {}
+    values = (same or able)[0].model_dump(mode="json")
+    return {key: values[key] for key in wanted}
+
+
+def _message(experiment: Experiment, wild: tuple[str, ...], simulation: dict[str, Any]) -> str:
+    every = len(wild) == len(experiment.lanes)
+    which = "every lane" if every else ", ".join(wild)
+    verb = "diverges" if every or len(wild) == 1 else "diverge"
+    at = ""
+    if simulation:
+        rate, delay = simulation["control_rate"], 1e3 * simulation["input_delay"]
+        at = f", at {rate:g} Hz with a delay of {delay:g} ms"
+    return (
+        f"Sampled at {experiment.simulation.control_rate:g} Hz, {which} {verb} on this arm. The "
+        f"arm of the preset {PRESET}, which has lighter links, rotor inertia, friction and torque "
+        f"limits, works with that preset's gains{at}."
+    )

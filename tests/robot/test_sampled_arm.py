@@ -1,0 +1,82 @@
+"""The change that makes a sampled experiment work, tried over the whole horizon."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from robot.experiment import Experiment
+from robot.merge_patch import difference
+from robot.packed import pack
+from robot.presets import load_preset
+from robot.sampled_arm import sampled_arm
+from robot.simulate import simulate
+from robot.stability import notes
+
+
+def sampled(preset: str, **changes: Any) -> Experiment:
+    mode = {"simulation": {"mode": "sampled"}}
+    return load_preset(preset).patched(mode).patched(changes)
+
+
+@pytest.mark.parametrize(
+    ("preset", "changes"),
+    [
+        ("paper", {}),
+        ("paper-undisturbed", {}),
+        ("experiment-quintic", {}),
+        ("paper", {"simulation": {"control_rate": 200.0}}),
+        ("paper", {"lanes": {"Textbook": {"law": "smc"}, "NFTSM": {"switching": "sign"}}}),
+    ],
+)
+def test_every_lane_runs_to_the_end_with_what_is_offered(
+    preset: str, changes: dict[str, Any]
+) -> None:
+    before = sampled(preset, **changes)
+    frozen = [name for name, lane in simulate(before).lanes.items() if lane.freeze]
+    offer = sampled_arm(pack(before))
+    assert offer is not None
+    assert list(offer.lanes) == frozen == list(before.lanes)
+    after = before.patched(offer.patch)
+    assert not [name for name, lane in simulate(after).lanes.items() if lane.freeze]
+    # One edit, and one back.
+    assert after.patched(difference(after.document(), before.document())) == before
+    assert sampled_arm(pack(after)) is None
+
+
+def test_a_lane_that_holds_keeps_its_gains_and_the_arm_its_load() -> None:
+    payload = {"mass": 2.0}
+    lanes = {"Calm": {"law": "computed_torque", "kp": 400.0, "kd": 40.0}}
+    before = sampled("paper", lanes=lanes, robot={"payload": payload})
+    offer = sampled_arm(pack(before))
+    assert offer is not None
+    assert "Calm" not in offer.lanes
+    after = before.patched(offer.patch)
+    assert after.lanes["Calm"] == before.lanes["Calm"]
+    assert after.robot.payload == before.robot.payload
+
+
+@pytest.mark.parametrize(
+    "experiment",
+    [
+        load_preset("paper"),
+        sampled("realistic"),
+        sampled("realistic", simulation={"control_rate": 60.0}),
+        sampled("chattering-tanh"),
+        sampled("paper", disturbance={"constant": 100.0}),
+        sampled("paper", trajectory={"angular_frequency": 5.0}),
+    ],
+    ids=["continuous", "works", "that arm", "chatters", "no motor does", "too fast a motion"],
+)
+def test_nothing_is_offered_that_is_needless_or_would_not_do(experiment: Experiment) -> None:
+    assert sampled_arm(pack(experiment)) is None
+
+
+def test_each_lane_that_diverges_is_told_of_it_once() -> None:
+    packed = pack(sampled("paper"))
+    for name in packed.experiment.lanes:
+        [note] = [note for note in notes(packed, name) if note.title]
+        assert (note.level, note.path) == ("warning", "simulation.mode")
+        assert note.title == "Use the sampled arm"
+        assert "every lane diverges" in note.message
