@@ -9,6 +9,7 @@ from fastapi import APIRouter, Body, Request
 from server.access import role_in
 from server.contract import Accepted, ErrorAnswer, Health, Kick, SessionState, Speed, Steps
 from server.limits import limits_document
+from server.live_messages import MetricsMessage
 from server.studio import Studio
 
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
@@ -67,7 +68,7 @@ def session_router(studio: Studio) -> APIRouter:
         session.kick(push.torque, push.duration)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.get("/metrics")
+    @router.get("/metrics", response_model=MetricsMessage)
     def metrics() -> dict[str, Any]:
         """Figures of every lane since the reset and over the last ten seconds, and remarks."""
         return studio.metrics()
