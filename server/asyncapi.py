@@ -48,6 +48,7 @@ _PACE = (
     ("keys", MOST_KEYS, "", "Most keys and values of a message; `error`: `too_large`."),
     ("rate", CLIENT_RATE, "1/s", "Messages from one client; `error`: `too_many_patches`."),
     ("burst", CLIENT_BURST, "", "Messages from one client at once after a rest."),
+    ("control frames", CLIENT_RATE, "1/s", "Pings and pieces of messages; beyond: 1008."),
     ("weight", SHORT, "", "Characters after which a message counts for one more."),
     ("total rate", TOTAL_RATE, "1/s", "Patches and new lanes from all clients together."),
     ("total burst", TOTAL_BURST, "", "Patches and new lanes from all of them after a rest."),
@@ -59,6 +60,7 @@ _PACE = (
 CLOSE_CODES = (
     (1002, "What was sent is no WebSocket frame."),
     (1007, "A text message is not UTF-8."),
+    (1008, "Pings, pongs or pieces of messages came faster than messages may."),
     (1009, "A message is larger than 256 KiB."),
     (1011, "The client did not answer a ping for 20 s."),
     (1012, "The server ends or starts anew."),
