@@ -8,14 +8,16 @@ SHELL = /bin/sh
 VENV = .venv
 VENV_PYTHON = $(VENV)/bin/python
 INSTALLED = $(VENV)/installed
+PIP = $(VENV_PYTHON) -m pip --disable-pip-version-check install
 PYTHONS = $(PYTHON) python3.13 python3.12 python3.11 python3.14 python3 python
 SUITABLE = import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))
 # The lock names the newest versions that still run on the oldest Python.
-LOCK_PYTHON = python3.11
+OLDEST_PYTHON = 3.11
 LOCK_VENV = build/lock
 # Whoever is idle takes over tests of a busy one: ARGS="-n 0" runs them one by one.
 PARALLEL = -n auto --maxprocesses 4 --dist worksteal
-NOT_INTEL_MAC = sys_platform != "darwin" or platform_machine != "x86_64"
+# What builds the project where it is editable; the lock holds both.
+BUILDS_EDITABLE = hatchling editables
 
 .DEFAULT_GOAL = help
 .PHONY: help run install test coverage check format bench soak faults fuzz peers lock clean always libgomp
@@ -67,17 +69,13 @@ peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in
 	$(VENV_PYTHON) -m tests.peers.compare $(ARGS)
 
 lock:  ## Write requirements.lock anew with today's versions
-	$(LOCK_PYTHON) -m venv --clear $(LOCK_VENV)
-	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check hatchling editables '.[test,check]'
-	@intel=`grep 'sys_platform == "darwin"' requirements.lock`; \
-	{ grep '^#' requirements.lock; \
-	{ echo "$$intel"; $(LOCK_VENV)/bin/python -m pip freeze --exclude slidetune | \
-	while read -r line; do \
-	  case "$$intel" in \
-	    *"$${line%%==*}=="*) echo "$$line ; "'$(NOT_INTEL_MAC)';; \
-	    *) echo "$$line";; \
-	  esac; \
-	done; } | LC_ALL=C sort -f; } > $(LOCK_VENV)/requirements.lock
+	$(or $(PYTHON),python3) -m venv --clear $(LOCK_VENV)
+	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check uv
+	printf '%s\n' $(BUILDS_EDITABLE) | $(LOCK_VENV)/bin/uv pip compile --quiet --universal \
+	  --python-version $(OLDEST_PYTHON) --fork-strategy fewest --generate-hashes \
+	  --no-header --no-annotate --extra test --extra check \
+	  --output-file $(LOCK_VENV)/versions pyproject.toml -
+	{ grep '^#' requirements.lock; cat $(LOCK_VENV)/versions; } > $(LOCK_VENV)/requirements.lock
 	mv $(LOCK_VENV)/requirements.lock requirements.lock
 
 clean:  ## Remove .venv and everything else that was generated
@@ -105,8 +103,11 @@ $(INSTALLED): pyproject.toml requirements.lock $(BROKEN)
 	  echo "Setting up .venv with $$("$$found" --version) …"; \
 	  "$$found" -m venv --clear $(VENV) || exit 1; \
 	fi
-	PIP_CONSTRAINT=requirements.lock PIP_BUILD_CONSTRAINT=requirements.lock \
-	$(VENV_PYTHON) -m pip install --disable-pip-version-check --editable '.[test,check]'
+	$(PIP) --no-deps --require-hashes --requirement requirements.lock
+	@echo 'Setting up the project itself …'; \
+	$(PIP) --quiet --no-index --no-build-isolation --editable '.[test,check]' || { \
+	  echo 'If requirements.lock lacks what pyproject.toml asks for: make lock' >&2; exit 1; \
+	}
 	@if ! problem=`$(VENV_PYTHON) -c 'import pinocchio' 2>&1`; then \
 	  case "$$problem" in \
 	    *libgomp*) $(MAKE) --no-print-directory libgomp;; \

@@ -35,9 +35,7 @@ from server.studio import Studio
 _DESCRIPTION = """
 The live session of a JAKA Zu 5 under sliding-mode control: one document (the experiment), changed
 by JSON Merge Patches; commands to the session; presets. Live data come over the WebSocket at
-`/api/live`: JSON messages with a `type`, and binary frames of `<IIIIdd` (revision, rows, columns,
-dropped, time of the first row, time between rows) followed by columns of float32 in the order of
-`hello.channels`.
+`/api/live`, which [a page of its own](/docs/live) describes.
 """
 
 

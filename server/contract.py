@@ -34,18 +34,20 @@ class RefusedField(BaseModel):
         examples=["lanes.NFTSM.nu", 'lanes."nu 0.5".nu'],
         description="Dotted keys; one that holds a dot or a quote stands in quotes, as in TOML.",
     )
-    message: str = Field(examples=["nu must be in [0.01, 100] 1/s, got -3"])
-    value: Any = Field(None, examples=[-3])
-    allowed: str = Field("", examples=["[0.01, 100] 1/s"])
+    message: str = Field(
+        examples=["nu must be in [0.01, 100] 1/s, got -3"], description="What is wrong with it."
+    )
+    value: Any = Field(None, examples=[-3], description="What was sent.")
+    allowed: str = Field("", examples=["[0.01, 100] 1/s"], description="What may be sent.")
     line: int | None = Field(None, description="Line of the YAML text, where there is one.")
 
 
 class ErrorDetail(BaseModel):
     """What went wrong."""
 
-    code: str = Field(examples=["invalid"])
-    message: str
-    fields: list[RefusedField] = []
+    code: str = Field(examples=["invalid"], description="What a program can act on.")
+    message: str = Field(description="What is wrong and the way out, for people.")
+    fields: list[RefusedField] = Field([], description="The refused values, where there are any.")
 
 
 class ErrorAnswer(BaseModel):
@@ -70,17 +72,17 @@ class LawInfo(BaseModel):
     name: str = Field(examples=["rbfnn_nftsm"])
     title: str
     summary: str
-    model_based: bool
-    network: bool
+    model_based: bool = Field(description="Whether it computes with a model of the arm.")
+    network: bool = Field(description="Whether a network is adapted in it.")
 
 
 class LaneStatus(BaseModel):
     """Whether a lane runs, and if not, why."""
 
-    status: Literal["running", "frozen"]
+    status: Literal["running", "frozen"] = Field(description="Frozen: it left its bounds.")
     time: float | None = Field(description="When it left its bounds [s].")
-    joint: int | None
-    cause: str | None
+    joint: int | None = Field(description="The joint that left them, from 1.")
+    cause: str | None = Field(description="What happened, in words.")
     gamma: float | None = Field(description="Sampling margin where that is the reason.")
     radius: float | None = Field(
         description="Spectral radius of one control period where that is the reason."
@@ -93,67 +95,32 @@ class LaneStatus(BaseModel):
     )
 
 
+class ViewState(BaseModel):
+    """How the scene shows the arms."""
+
+    exaggeration: float = Field(description="By how much deviations from the desired are enlarged.")
+    ghosts: bool = Field(description="Whether the arms of the lanes not selected are drawn.")
+
+
 class SessionState(BaseModel):
     """Where the live session stands."""
 
-    type: Literal["state"] = "state"
+    type: Literal["state"]
     time: float = Field(description="Simulated time [s].")
-    playing: bool
-    speed: float
+    playing: bool = Field(description="Whether time goes on.")
+    speed: float = Field(description="Wanted simulated seconds a wall second.")
     real_time_factor: float = Field(description="Simulated seconds a wall second, measured.")
     capped: bool = Field(description="Whether the machine is too slow for the speed.")
-    revision: int
+    revision: int = Field(description="Revision of the experiment that is being stepped.")
     epoch: int = Field(description="Counts resets and loaded experiments.")
     waiting_steps: int = Field(
         description="Steps that were asked for and will be made before what is asked for now; "
         "play, pause, reset and another experiment drop them."
     )
-    horizon: float
-    selected: str
-    view: dict[str, Any]
-    lanes: dict[str, LaneStatus]
-
-
-class Since(BaseModel):
-    """Since when the total of a lane's figures counts."""
-
-    time: float = Field(description="Simulated time of the first row that counts [s].")
-    reason: Literal["reset", "change", "added", "branch"] = Field(
-        description="`reset`: the session was reset, or its experiment loaded. `change`: then the "
-        "lane's closed loop changed last: its law or gains, the arm, the trajectory, the "
-        "disturbance or the simulation; another name is no change, nor are a kick and the horizon. "
-        "`added`: the lane is new or a copy. `branch`: the session went back to this moment."
-    )
-
-
-class SpanFigures(BaseModel):
-    """Figures of a lane over a span of time; what comes after a freeze is in none."""
-
-    mae: list[float] = Field(description="Mean absolute error of each joint [rad].")
-    max_error: list[float] = Field(description="Greatest absolute error of each joint [rad].")
-    max_velocity_error: list[float] = Field(description="The same of the velocity [rad/s].")
-    chattering: float = Field(description="Total variation of all torques a second [N·m/s].")
-    peak_torque: list[float] = Field(description="Greatest absolute torque of each joint [N·m].")
-    flange_rms: float = Field(description="Effective distance of the flange [m].")
-    flange_max: float = Field(description="Greatest distance of the flange [m].")
-
-
-class LaneFigures(BaseModel):
-    """A lane's live figures, its sampling margin and what is to be said of its numbers."""
-
-    since: Since
-    total: SpanFigures | None = Field(description="Since then; null before the first row.")
-    recent: SpanFigures | None = Field(description="Over the last ten seconds, whatever changed.")
-    gamma: float | None
-    margin: dict[str, Any] | None = Field(description="Of a sampled loop; see `robot.margin`.")
-    notes: list[dict[str, Any]] = Field(description="Level, path, message, patch and its title.")
-
-
-class LiveMetrics(BaseModel):
-    """The live figures of every lane."""
-
-    type: Literal["metrics"] = "metrics"
-    lanes: dict[str, LaneFigures]
+    horizon: float = Field(description="Length of a whole response [s].")
+    selected: str = Field(description="The lane whose arm is solid in 3D.")
+    view: ViewState
+    lanes: dict[str, LaneStatus] = Field(description="By name.")
 
 
 _WAITING = "Steps that the live session makes before this takes force; 0: with the next step."
@@ -200,8 +167,8 @@ class PresetAnswer(PresetSummary):
 class Kick(Strict):
     """A push of all lanes' joints."""
 
-    torque: SixTorques = Field(KICK, description="N·m, each within ±1000.")
-    duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="s")
+    torque: SixTorques = Field(KICK, description="Torque by joint [N·m], each within ±1000.")
+    duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="How long it lasts [s].")
 
 
 class Reset(Strict):
@@ -218,13 +185,15 @@ class Reset(Strict):
 class Steps(Strict):
     """How many steps to make."""
 
-    count: int = Field(1, ge=1, le=4000)
+    count: int = Field(1, ge=1, le=4000, description="Control steps.")
 
 
 class Speed(Strict):
     """Simulated seconds a wall second."""
 
-    speed: float = Field(ge=SPEEDS[0], le=SPEEDS[1], examples=[0.5])
+    speed: float = Field(
+        ge=SPEEDS[0], le=SPEEDS[1], description="Multiple of real time.", examples=[0.5]
+    )
 
 
 def is_request_id(value: object) -> bool:
@@ -236,78 +205,90 @@ def is_request_id(value: object) -> bool:
     return True
 
 
-class PatchMessage(Strict):
-    """Change the experiment by a JSON Merge Patch."""
+class Request(Strict):
+    """What every message to the live session may bear."""
+
+    id: RequestId | None = Field(None, description="Your own name for it: the answer bears it.")
+
+
+class PatchMessage(Request):
+    """Change the experiment by a JSON Merge Patch (RFC 7396); state and time go on."""
 
     type: Literal["patch"]
-    patch: dict[str, Any]
-    id: RequestId | None = None
+    patch: dict[str, Any] = Field(examples=[{"lanes": {"NFTSM": {"nu": 30}}}])
 
 
-class PlainCommand(Strict):
+class PlainCommand(Request):
     """A command without anything to say."""
 
-    type: Literal["play", "pause"]
-    id: RequestId | None = None
+    type: str
 
 
-class ResetMessage(Reset):
-    """Reset the session or one lane."""
+class PlayMessage(PlainCommand):
+    """Let time go on; steps that wait are dropped."""
+
+    type: Literal["play"]
+
+
+class PauseMessage(PlainCommand):
+    """Hold time; steps that wait are dropped."""
+
+    type: Literal["pause"]
+
+
+class ResetMessage(Reset, Request):
+    """Reset the session or one lane; steps that wait are dropped with the session's."""
 
     type: Literal["reset"]
-    id: RequestId | None = None
 
 
-class StepMessage(Steps):
-    """Pause and make some steps."""
+class StepMessage(Steps, Request):
+    """Pause and make some steps; at most 4000 wait, more are left out."""
 
     type: Literal["step"]
-    id: RequestId | None = None
 
 
-class KickMessage(Kick):
+class KickMessage(Kick, Request):
     """Push all lanes' joints."""
 
     type: Literal["kick"]
-    id: RequestId | None = None
 
 
-class SpeedMessage(Speed):
+class SpeedMessage(Speed, Request):
     """Change the speed."""
 
     type: Literal["speed"]
-    id: RequestId | None = None
 
 
-class SelectMessage(Strict):
+class SelectMessage(Request):
     """Show a lane's arm solid."""
 
     type: Literal["select"]
-    lane: str
-    id: RequestId | None = None
+    lane: str = Field(description="Its name.", examples=["NFTSM"])
 
 
-class ViewMessage(Strict):
-    """Change how the scene shows the arms."""
+class ViewMessage(Request):
+    """Change how the scene shows the arms; what is left out stays as it is."""
 
     type: Literal["view"]
-    exaggeration: float | None = Field(None, ge=1.0, le=50.0)
-    ghosts: bool | None = None
-    id: RequestId | None = None
+    exaggeration: float | None = Field(
+        None, ge=1.0, le=50.0, description="Factor by which deviations are enlarged.", examples=[20]
+    )
+    ghosts: bool | None = Field(None, description="Whether the other lanes' arms are drawn.")
 
 
-class LaneMessage(Strict):
-    """Duplicate a lane, gains and state."""
+class LaneMessage(Request):
+    """Add a lane with the gains and the state of another."""
 
     type: Literal["lane"]
-    origin: str
-    name: LaneName
-    id: RequestId | None = None
+    origin: str = Field(description="Name of the lane to copy.", examples=["NFTSM"])
+    name: LaneName = Field(description="Name of the new one.", examples=["NFTSM 2"])
 
 
 ClientMessage = Annotated[
     PatchMessage
-    | PlainCommand
+    | PlayMessage
+    | PauseMessage
     | ResetMessage
     | StepMessage
     | KickMessage

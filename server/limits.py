@@ -20,7 +20,8 @@ MAX_BODY = 256 * 1024
 """Largest body of an HTTP request in bytes, on every route (*ours*)."""
 CLIENT_RATE = 240.0
 """Messages a second that one client may send over the live WebSocket (*ours*): four times what a
-drag sends at 60 pictures a second."""
+drag sends at 60 pictures a second. Frames that bring no whole message, such as pings, may come as
+fast; faster ones end their connection."""
 CLIENT_BURST = 480
 """Messages that it may send at once after a rest (*ours*)."""
 TOTAL_RATE = 480.0

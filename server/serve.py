@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing
 
 import uvicorn
 from rich.console import Console
+from starlette.types import ASGIApp
 
 from robot.experiment import Experiment
 from server.access_policy import AccessPolicy, policy_for
@@ -14,7 +15,8 @@ from server.allocator import map_large_blocks_apart
 from server.app import create_app
 from server.limits import MAX_MESSAGE
 from server.open_browser import open_browser, private_way
-from server.raw_http import RawHttp, RawWebSocket, leave_foreign_text_out_of_the_log
+from server.raw_http import RawHttp
+from server.raw_websocket import RawWebSocket, leave_foreign_text_out_of_the_log
 from server.studio import Studio
 
 PORTS = 20
@@ -52,6 +54,20 @@ def free_socket(host: str, port: int) -> socket.socket:
         "choose another with --port, or any free one with --port 0"
     )
     raise OSError(text) from last
+
+
+def server_config(app: ASGIApp) -> uvicorn.Config:
+    """Return how an application of ours is served."""
+    return uvicorn.Config(
+        app,
+        http=RawHttp,
+        ws=RawWebSocket,
+        log_level="warning",
+        ws_max_size=MAX_MESSAGE,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=2,
+        server_header=False,
+    )
 
 
 class _Server(uvicorn.Server):
@@ -105,16 +121,6 @@ def serve(
         if port not in (0, actual):
             console.print(f"Port {port} is taken: using {actual}.")
         policy = policy_for(host, actual, token)
-        app = create_app(Studio(experiment, preset), policy)
-        config = uvicorn.Config(
-            app,
-            http=RawHttp,
-            ws=RawWebSocket,
-            log_level="warning",
-            ws_max_size=MAX_MESSAGE,
-            ws_per_message_deflate=False,
-            timeout_graceful_shutdown=2,
-            server_header=False,
-        )
+        config = server_config(create_app(Studio(experiment, preset), policy))
         leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

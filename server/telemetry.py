@@ -18,8 +18,17 @@ ROWS = 32768
 """Rows that the ring holds (*ours*): half a minute at 1 kHz."""
 LAG = 4096
 """Rows that a reader may be behind before it is skipped ahead (*ours*)."""
-HEADER = struct.Struct("<IIIIdd")
-"""revision, rows, columns, dropped; time of the first row [s], time between rows [s]."""
+
+HEADER_FIELDS = (
+    ("revision", "I", "", "Revision of the experiment that made these rows."),
+    ("rows", "I", "", "How many rows follow."),
+    ("columns", "I", "", "How many columns: as many as hello has channels."),
+    ("dropped", "I", "", "Rows left out before the first one, because this client was too slow."),
+    ("time", "d", "s", "Simulated time of the first row."),
+    ("period", "d", "s", "Simulated time between two rows."),
+)
+"""What stands before the rows of a frame, in order: name, ``struct`` code, unit and meaning."""
+HEADER = struct.Struct("<" + "".join(code for _, code, _, _ in HEADER_FIELDS))
 
 SHARED = (("q_d", "rad"), ("v_d", "rad/s"))
 OWN = (("e", "rad"), ("de", "rad/s"), ("tau", "N·m"), ("S", "rad/s"), ("f", "N·m"))

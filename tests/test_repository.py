@@ -9,6 +9,8 @@ from itertools import chain
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from robot.version import __version__
 
@@ -103,14 +105,41 @@ def test_the_changelog_tells_of_this_version() -> None:
     assert f"## [{__version__}]" in changelog
 
 
+def locked() -> list[tuple[str, str, int]]:
+    """Name, version and number of hashes of every entry of the lock; fails on any other line."""
+    lines = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
+    lock = "\n".join(line for line in lines if line and not line.startswith("#")) + "\n"
+    entry = re.compile(
+        r"([\w.-]+)==([\w.]+)(?: ; [^;\n]+?)?((?: \\\n    --hash=sha256:[0-9a-f]{64})*)\n"
+    )
+    found = list(entry.finditer(lock))
+    assert "".join(match[0] for match in found) == lock
+    return [(canonicalize_name(match[1]), match[2], match[3].count("--hash")) for match in found]
+
+
 def test_the_lock_holds_an_exact_version_of_every_dependency() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"].values()
-    wanted = [*project["dependencies"], *chain.from_iterable(extras)]
-    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
-    exact = re.findall(r"^([\w.-]+)==[\w.]+(?: ; .+)?$", lock, re.MULTILINE)
-    lines = [line for line in lock.splitlines() if line and not line.startswith("#")]
-    assert len(lines) == len(exact)
-    names = {re.sub(r"[-_.]+", "-", name).lower() for name in exact}
-    needed = {re.match(r"[\w.-]+", line)[0] for line in wanted}  # type: ignore[index]
-    assert {re.sub(r"[-_.]+", "-", name).lower() for name in needed} <= names
+    file = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = file["project"]["optional-dependencies"].values()
+    asked = [*file["project"]["dependencies"], *chain.from_iterable(extras)]
+    asked += [*file["build-system"]["requires"], "editables"]
+    versions: dict[str, set[str]] = {}
+    for name, version, _ in locked():
+        versions.setdefault(name, set()).add(version)
+    for requirement in map(Requirement, asked):
+        held = versions.get(canonicalize_name(requirement.name), set())
+        assert held, f"requirements.lock lacks {requirement}"
+        assert all(requirement.specifier.contains(version) for version in held), requirement
+
+
+def test_every_version_in_the_lock_has_its_hashes() -> None:
+    assert [name for name, _, hashes in locked() if not hashes] == []
+
+
+def test_make_install_takes_no_file_without_a_locked_hash() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipe = re.search(r"^\$\(INSTALLED\):.*\n((?:\t.*\n)+)", makefile, re.MULTILINE)
+    assert recipe
+    assert "pip install" not in recipe[1]
+    locked_ones, project = re.findall(r"\$\(PIP\) (.*)", recipe[1])
+    assert "--require-hashes --requirement requirements.lock" in locked_ones
+    assert "--no-index --no-build-isolation" in project

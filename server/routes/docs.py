@@ -1,14 +1,19 @@
-"""The page at /docs, without any foreign server: Swagger UI comes with an installed package."""
+"""The pages at /docs and /docs/live, without any foreign server.
+
+Swagger UI comes with an installed package; the live WebSocket's page is ours.
+"""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse
 from starlette.exceptions import HTTPException
 
+from server.asyncapi import asyncapi_document
 from server.places import WEB
 
 _FILES = ("swagger-ui-bundle.js", "swagger-ui.css")
@@ -29,6 +34,14 @@ def docs_router() -> APIRouter:
     @router.get("/docs")
     async def page() -> FileResponse:
         return FileResponse(WEB / "docs.html")
+
+    @router.get("/docs/live")
+    async def live_page() -> FileResponse:
+        return FileResponse(WEB / "live_docs.html")
+
+    @router.get("/asyncapi.json")
+    async def live_document(request: Request) -> dict[str, Any]:
+        return asyncapi_document(request.headers.get("host", ""), request.url.scheme == "https")
 
     @router.get("/docs/{name}")
     async def bundle(name: str) -> FileResponse:

@@ -7,18 +7,9 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Request
 
 from server.access import role_in
-from server.contract import (
-    Accepted,
-    ErrorAnswer,
-    Health,
-    Kick,
-    LiveMetrics,
-    Reset,
-    SessionState,
-    Speed,
-    Steps,
-)
+from server.contract import Accepted, ErrorAnswer, Health, Kick, Reset, SessionState, Speed, Steps
 from server.limits import limits_document
+from server.live_messages import MetricsMessage
 from server.studio import Studio
 
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
@@ -77,7 +68,7 @@ def session_router(studio: Studio) -> APIRouter:
         session.kick(push.torque, push.duration)
         return Accepted(waiting_steps=session.waiting_steps)
 
-    @router.get("/metrics", response_model=LiveMetrics)
+    @router.get("/metrics", response_model=MetricsMessage)
     def metrics() -> dict[str, Any]:
         """Figures of every lane since its last change and over the last ten seconds; remarks."""
         return studio.metrics()

@@ -53,10 +53,15 @@ def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Da
     assert violations(page) == []
 
 
-def test_the_documentation_page_keeps_to_it_too(page: Page, dashboard: Dashboard) -> None:
+def test_the_documentation_pages_keep_to_it_too(page: Page, dashboard: Dashboard) -> None:
     page.add_init_script(LISTEN)
     page.goto(f"{dashboard.url}docs")
     expect(page.locator("#swagger-ui")).to_contain_text("/api/experiment")
+    page.get_by_role("link", name="Live WebSocket").click()
+    messages = page.locator(".message h3")
+    expect(messages).to_have_count(17)
+    assert {"patch", "kick", "hello", "telemetry, binary"} <= set(messages.all_inner_texts())
+    expect(page.locator("#script")).to_contain_text(dashboard.url.replace("http", "ws", 1))
     assert violations(page) == []
 
 

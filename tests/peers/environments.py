@@ -6,6 +6,7 @@ They lie in ``build/peers``, with the versions of ``requirements.lock`` where bo
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -73,6 +74,11 @@ def _contents(peer: Peer) -> str:
     return f"{peer.requirement}\n{sys.version}\n{LOCK.read_text(encoding='utf-8')}"
 
 
+def versions() -> str:
+    """Return the locked versions without their hashes, with which pip takes nothing unlocked."""
+    return re.sub(r" \\\n +--hash=\S+", "", LOCK.read_text(encoding="utf-8"))
+
+
 def interpreter(peer: Peer) -> Path:
     """Return the Python that has a peer, installing it first if it is not there yet.
 
@@ -85,10 +91,11 @@ def interpreter(peer: Peer) -> Path:
     if is_ready(peer):
         return _interpreter(folder)
     shutil.rmtree(folder, ignore_errors=True)
-    steps = (
-        [sys.executable, "-m", "venv", str(folder)],
-        [str(_interpreter(folder)), *PIP, "--constraint", str(LOCK), "numpy", peer.requirement],
-    )
+    folder.mkdir(parents=True)
+    constraints = folder / "versions"
+    constraints.write_text(versions(), encoding="utf-8")
+    install = [*PIP, "--constraint", str(constraints), "numpy", peer.requirement]
+    steps = ([sys.executable, "-m", "venv", str(folder)], [str(_interpreter(folder)), *install])
     for step in steps:
         process = subprocess.run(
             step, capture_output=True, encoding="utf-8", env={**os.environ, "PYTHONPATH": ""}

@@ -16,8 +16,7 @@ import uvicorn
 from robot.experiment import Experiment
 from server.access_policy import AccessPolicy, policy_for
 from server.app import create_app
-from server.limits import MAX_MESSAGE
-from server.serve import free_socket
+from server.serve import free_socket, server_config
 from server.studio import Studio
 
 LANES = {
@@ -47,13 +46,7 @@ def serving(presets: Path, token: bool = False) -> Iterator[Served]:
         bound = free_socket("127.0.0.1", 0)
         port = bound.getsockname()[1]
         policy = policy_for("127.0.0.1", port, token)
-        config = uvicorn.Config(
-            create_app(studio, policy),
-            log_level="warning",
-            ws_max_size=MAX_MESSAGE,
-            timeout_graceful_shutdown=2,
-        )
-        server = uvicorn.Server(config)
+        server = uvicorn.Server(server_config(create_app(studio, policy)))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
         thread.start()
         end = time.monotonic() + 60.0

@@ -46,6 +46,7 @@ def test_nothing_is_fetched_from_elsewhere(called: list[str], tmp_path: Path) ->
         for path in (
             "/",
             "/docs",
+            "/docs/live",
             "/scene/",
             "/api/schema",
             "/api/presets",

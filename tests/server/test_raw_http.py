@@ -17,8 +17,8 @@ from websockets.sync.client import connect
 
 from server.access import Access
 from server.access_policy import AccessPolicy
-from server.raw_http import RawHttp, RawWebSocket, leave_foreign_text_out_of_the_log
-from server.serve import free_socket
+from server.raw_websocket import leave_foreign_text_out_of_the_log
+from server.serve import free_socket, server_config
 
 HEADERS = ("content-security-policy", "referrer-policy", "x-content-type-options")
 
@@ -42,7 +42,8 @@ def port() -> Iterator[int]:
     bound = free_socket("127.0.0.1", 0)
     number = bound.getsockname()[1]
     app = Access(listening, AccessPolicy("127.0.0.1", number))
-    config = uvicorn.Config(app, http=RawHttp, ws=RawWebSocket, log_level="warning", lifespan="off")
+    config = server_config(app)
+    config.lifespan = "off"
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
     thread.start()
