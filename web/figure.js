@@ -1,6 +1,7 @@
 // @ts-check
 /** What the plotting library is told: traces, axes and colours. */
 
+import {GAP, MARGIN, axisNumber, colorOf, heightOfPanel, traceId} from './figure_panels.js';
 import {stopTraces} from './stop_marks.js';
 
 /** @typedef {import('./panel_curves.js').DrawnPanel} DrawnPanel */
@@ -20,10 +21,7 @@ import {stopTraces} from './stop_marks.js';
  *   Drawing
  */
 
-export const MARGIN = {l: 78, r: 10, t: 8, b: 36};
 const LEGEND_HEIGHT = 64;
-/** Pixels between two panels. */
-const GAP = 12;
 const FONT_SIZE = 11;
 const WRAP = 44;
 
@@ -76,21 +74,6 @@ function wrapped(text) {
 }
 
 /**
- * A name for a trace that survives others' coming and going; the library makes selectors of it.
- *
- * @param {string} kind
- * @param {Drawing} drawing
- * @param {number} index of the panel
- * @param {string} [lane]
- */
-export function traceId(kind, {colors}, index, lane = '') {
-  return `${kind}-${index}-${[...colors.keys()].indexOf(lane)}`;
-}
-
-/** @param {number} index of the panel, from 0 */
-export function axisNumber(index) { return index ? String(index + 1) : ''; }
-
-/**
  * @param {Drawing} drawing
  * @returns {import('./plot_redraw.js').Figure}
  */
@@ -133,14 +116,6 @@ function line(drawing, {panel}, {trace, x, y, steps}, index) {
     showlegend: Boolean(drawing.legend) && index === 0,
   };
 }
-
-/**
- * A lane that only a baseline still has is grey.
- *
- * @param {Drawing} drawing
- * @param {string} lane
- */
-export function colorOf({colors, theme}, lane) { return colors.get(lane) ?? theme.muted; }
 
 /**
  * @param {Drawing} drawing
@@ -273,14 +248,6 @@ function vertical({panels, height, spectrum, zoomed, theme, touch}, {panel, rang
     // A finger that moves up or down scrolls the page.
     fixedrange: touch,
   };
-}
-
-/**
- * @param {Pick<Drawing, 'panels'|'height'>} drawing
- * @returns {number} in pixels
- */
-export function heightOfPanel({panels, height}) {
-  return (height - MARGIN.t - MARGIN.b - GAP * (panels.length - 1)) / panels.length;
 }
 
 /** @param {Theme} theme */

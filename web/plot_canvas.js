@@ -2,7 +2,8 @@
 /** The figure on the screen: its size, its theme, and when it is drawn. */
 
 import {element} from './element.js';
-import {MARGIN, figure, library, themeOf} from './figure.js';
+import {figure, library, themeOf} from './figure.js';
+import {MARGIN} from './figure_panels.js';
 import {PlotGestures} from './plot_gestures.js';
 import {PlotRedraw} from './plot_redraw.js';
 import {RedrawPace} from './redraw_pace.js';

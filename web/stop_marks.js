@@ -1,7 +1,7 @@
 // @ts-check
 /** Where lanes left their bounds: a line in the lane's colour, and in words when. */
 
-import {axisNumber, colorOf, heightOfPanel, traceId} from './figure.js';
+import {axisNumber, colorOf, heightOfPanel, traceId} from './figure_panels.js';
 import {shortTime} from './freezes.js';
 
 /** @typedef {import('./figure.js').Drawing} Drawing */

@@ -182,7 +182,10 @@ def test_a_share_at_its_bound_comes_back_within_one_drag(page: Page, dashboard: 
     dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
     dashboard.client.post("/api/session/pause").raise_for_status()
     screen = opened(page, dashboard)
+    # The remark on c/ν comes with the first figures and moves what is below it.
+    expect(control(screen, f"lanes.{PROPOSED}.nu")).to_contain_text("Try ν")
     common = control(screen, f"lanes.{PROPOSED}.epsilon").locator(".control-input > .slider")
+    common.scroll_into_view_if_needed()
     track = common.bounding_box()
     assert track is not None
     middle = track["y"] + track["height"] / 2
