@@ -33,5 +33,6 @@ export class JointToggles {
       button.disabled = !apply;
     });
     this.element.classList.toggle('is-off', !apply);
+    this.element.setAttribute('aria-disabled', String(!apply));
   }
 }

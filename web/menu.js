@@ -61,7 +61,7 @@ function drawn(entry, close) {
     type: 'button',
     class: entry.danger ? 'menu-item is-danger' : 'menu-item',
     role: checkable ? 'menuitemradio' : 'menuitem',
-    'aria-checked': checkable ? entry.checked : null,
+    'aria-checked': checkable ? String(entry.checked) : null,
     tabindex: -1,
     disabled: entry.disabled,
     on: {click: () => { close(); entry.run(); }},

@@ -8,6 +8,7 @@ import httpx
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Dashboard, StartDashboard
+from tests.browser.inspector import Inspector
 
 WATCHED = re.compile(r"To watch only: (http://\S+)")
 CHANGES = ("Save", "Import", "Undo", "Redo", "Learn")
@@ -56,6 +57,10 @@ def test_a_viewer_sees_it_live_and_can_move_nothing(
     expect(page.locator(".lane-add")).to_be_hidden()
     expect(page.get_by_role("tab", name="Response")).to_be_hidden()
     expect(page.locator(".preset-button")).to_be_disabled()
+    inspector = Inspector(page)
+    inspector.start()
+    inspector.look("watching")
+    assert not inspector.found, "\n\n".join(inspector.found)
     assert asked == []
 
 
