@@ -13,15 +13,18 @@
  * @typedef {{range: [number, number], _length: number}} Axis
  */
 
+/** @typedef {Map<string, {x: ArrayLike<number>, y: ArrayLike<number>}>} Drawn by the traces' ids */
+
 /** Farther out of sight than this in pixels a point only costs digits. */
 const FAR = 1e5;
 
 /**
  * @param {HTMLElement} graph drawn by the library, with the same traces at other points
  * @param {Traces} traces on linear axes
+ * @param {Drawn} drawn the points that stand there now; what is compared with stays as it is
  * @returns {boolean} whether all of them could be moved; if not, none was
  */
-export function movedCurves(graph, traces) {
+export function movedCurves(graph, traces, drawn) {
   const {data, _fullLayout: layout} = /** @type {any} */ (graph);
   /** @type {[Element, any][]} */ const moves = [];
   for (const [index, trace] of traces.entries()) {
@@ -29,6 +32,8 @@ export function movedCurves(graph, traces) {
       if (!samePoints(trace, data[index])) return false;
       continue;
     }
+    const {x, y} = drawn.get(trace.uid) ?? {};
+    if (trace.x === x && trace.y === y) continue;
     const lines = graph.querySelectorAll(`.trace${CSS.escape(trace.uid)} .js-line`);
     // Where a curve was interrupted, or had no points, the library has other paths than one.
     if (lines.length !== 1) return false;

@@ -9,8 +9,10 @@ import {mount as mountResponse} from './response.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /**
- * What a view may use beside the server: undo, presets, and a word in the corner.
- * @typedef {{history: import('./history.js').History, presets: import('./presets.js').Presets,
+ * What a view may use beside the server: whole responses, undo, presets, and a word in the corner.
+ * @typedef {{preview: import('./preview.js').Preview,
+ *   before: import('./response_before.js').ResponseBefore,
+ *   history: import('./history.js').History, presets: import('./presets.js').Presets,
  *   tell: import('./notices.js').Tell}} Desk
  */
 /**
