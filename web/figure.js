@@ -23,7 +23,7 @@ import {stopTraces} from './stop_marks.js';
 export const MARGIN = {l: 78, r: 10, t: 8, b: 36};
 const LEGEND_HEIGHT = 64;
 /** Pixels between two panels. */
-const GAP = 12;
+export const GAP = 12;
 const FONT_SIZE = 11;
 const WRAP = 44;
 

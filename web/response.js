@@ -106,14 +106,12 @@ class ResponseScreen {
         svg: () => this.#saveImage('svg'),
         csv: () => this.#saveTable(),
       }, 'every point of the response, all joints'),
-      element('span', {class: 'spring'}), this.list.element,
+      element('span', {class: 'spring'}), this.head.status, this.list.element,
     );
     this.#root.classList.add('plots', 'response');
     this.#root.append(
-      this.head.element,
-      element('div', {class: 'response-line-up'}, this.legend.element, this.head.switches),
-      this.#remarks.element, this.stage, this.cursors.readout.element, toolbar,
-      this.#metrics.element,
+      this.head.element, this.legend.element, this.#remarks.element, this.stage,
+      this.cursors.readout.element, toolbar, this.#metrics.element,
     );
   }
 
@@ -298,6 +296,7 @@ class ResponseScreen {
       lane.frozen ? [[name, {text: lane.frozen.cause}]] : []
     )));
     this.tabs.select(this.#view.id);
+    this.stage.style.setProperty('--panels', String(this.#view.panels(this.#joints).length));
     this.legend.show({
       lanes, selected, hidden: this.#hidden, frozen, desired: false, before: this.#showsBefore,
     });
