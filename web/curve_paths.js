@@ -9,7 +9,7 @@
 
 /** @typedef {import('./plot_redraw.js').Figure['data']} Traces */
 /**
- * An axis of the library, as it stands on the screen in pixels.
+ * An axis as the library has it: its values, and how many pixels they take.
  * @typedef {{range: [number, number], _length: number}} Axis
  */
 
@@ -62,9 +62,9 @@ function axisName(id) { return `${id[0]}axis${id.slice(1)}`; }
 /**
  * @param {Axis} axis
  * @param {ArrayLike<number>} values
- * @returns {string[]}
+ * @returns {string[]} where they lie, in pixels
  */
-function placesAcross({range: [from, to], _length: length}, values) {
+export function placesAcross({range: [from, to], _length: length}, values) {
   const scale = length / (to - from);
   return Array.from(values, (value) => String(rounded(scale * (value - from))));
 }
@@ -76,7 +76,7 @@ function placesAcross({range: [from, to], _length: length}, values) {
  * @param {boolean} steps whether each value holds until the next
  * @returns {string} of an SVG path
  */
-function path(across, {range: [low, high], _length: length}, values, steps) {
+export function path(across, {range: [low, high], _length: length}, values, steps) {
   const scale = length / (high - low);
   let text = '';
   let pen = 'M';

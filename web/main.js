@@ -23,6 +23,7 @@ import {mountBanner} from './status.js';
 import {mountTabs} from './tabs.js';
 import {applyTheme} from './theme.js';
 import {mount as mountTransport} from './transport.js';
+import {mountTuningStrip} from './tuning_strip.js';
 import {mountWatchOnly} from './watch_only.js';
 
 /** @param {string} id */
@@ -47,6 +48,7 @@ mountTransport(part('transport'), api);
 mountScrub(part('transport'), api, history, tell);
 mountRightPanel(parts.plots, api, {preview, before, history, presets, tell});
 mountMetrics(parts.metrics, api);
+mountTuningStrip(part('workspace'), api, preview, before);
 mountTabs(part('tabs'), part('workspace'), api);
 mountLessons(part('workspace'), api, history, tell);
 mountSplitters(part('workspace'), parts);

@@ -45,7 +45,6 @@ class ResponseScreen {
   #tab;
   #preview;
   #before;
-  #showsBefore = recall('response.before') !== '0';
   #baselines;
   #view = RESPONSE_VIEWS.find(({id}) => id === recall('response.view')) ?? RESPONSE_VIEWS[0];
   /** @type {number[]} */ #joints = rememberedJoints();
@@ -87,7 +86,9 @@ class ResponseScreen {
       opens: this.#opens, open: (on) => this.#openOnDrag(on),
       scene: recall('response.scene') === '1', paths: (on) => this.#pathsInScene(on),
     });
-    this.legend = new PlotLegend((lane) => this.#toggleLane(lane), () => this.#toggleBefore());
+    this.legend = new PlotLegend((lane) => this.#toggleLane(lane), () => {
+      this.#before.isShown = !this.#before.isShown;
+    });
     this.list = new BaselineList(this.#baselines, () => this.#pin());
     this.canvas = new Canvas(this.stage, () => this.#sheet(), {
       zoom: (report) => this.#zoom(report),
@@ -200,12 +201,6 @@ class ResponseScreen {
     this.#show();
   }
 
-  #toggleBefore() {
-    this.#showsBefore = !this.#showsBefore;
-    remember('response.before', this.#showsBefore ? null : '0');
-    this.#show();
-  }
-
   #pin() {
     const {latest} = this.#preview;
     const experiment = latest && this.#preview.documentOf(latest);
@@ -252,7 +247,7 @@ class ResponseScreen {
   #content() {
     return {
       panels: this.#view.panels(this.#joints), current: this.#preview.latest,
-      before: this.#showsBefore ? this.#before.response : null,
+      before: this.#before.isShown ? this.#before.response : null,
       pinned: this.#baselines.pinned, shows: (lane) => !this.#hidden.has(lane),
       window: this.#window(),
     };
@@ -298,7 +293,7 @@ class ResponseScreen {
     this.tabs.select(this.#view.id);
     this.stage.style.setProperty('--panels', String(this.#view.panels(this.#joints).length));
     this.legend.show({
-      lanes, selected, hidden: this.#hidden, frozen, desired: false, before: this.#showsBefore,
+      lanes, selected, hidden: this.#hidden, frozen, desired: false, before: this.#before.isShown,
     });
     this.#remarks.show(lanes, latest);
     this.list.show(Boolean(latest));

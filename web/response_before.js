@@ -2,6 +2,7 @@
 /** The response as it was before the last change: what a drag, an edit or an undo did to it. */
 
 import {leaves, same} from './merge_patch.js';
+import {recall, remember} from './remembered.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
 /** @typedef {import('./preview_message.js').Response} Response */
@@ -12,7 +13,7 @@ const TOGETHER_MS = 1500;
 /** What may change without any run becoming another one. */
 const WORDS = new Set(['title', 'description']);
 
-/** Event `change`: another response is the one before, or there is none. */
+/** Event `change`: another response is the one before, or it is to be seen or not. */
 export class ResponseBefore extends EventTarget {
   #api;
   #preview;
@@ -24,6 +25,7 @@ export class ResponseBefore extends EventTarget {
   /** @type {Set<string>|null} lanes that the change is about; null: all */ #lanes = null;
   /** Whether the movement under way has begun to change something. */
   #moves = false;
+  #isShown = recall('response.before') !== '0';
   /** @type {Patched|null} */ #last = null;
 
   /**
@@ -50,6 +52,15 @@ export class ResponseBefore extends EventTarget {
       present.has(name) && (this.#lanes?.has(name) ?? true)
     ));
     return {...this.#response, lanes: new Map(lanes)};
+  }
+
+  /** Whether its curves are to be seen. */
+  get isShown() { return this.#isShown; }
+
+  set isShown(shown) {
+    this.#isShown = shown;
+    remember('response.before', shown ? null : '0');
+    this.dispatchEvent(new Event('change'));
   }
 
   /** Compute the response where it isn't known; nobody pays for what isn't seen. */

@@ -63,7 +63,9 @@ export function mount(root, api, desk, entries = ENTRIES) {
   }, ...views.map(({tab}) => tab));
   root.classList.add('right-panel');
   root.append(row, ...views.map(({place}) => place));
-  api.addEventListener('show', () => choose('live'));
+  api.addEventListener('show', (event) => (
+    choose(/** @type {CustomEvent} */ (event).detail.view ?? 'live')
+  ));
   const last = recall('right.view');
   choose(entries.find(({id}) => id === last)?.id ?? entries[0].id);
   for (const {entry, place, tab} of views) {
