@@ -9,9 +9,11 @@
 
 /** @typedef {import('./plot_redraw.js').Figure['data']} Traces */
 /**
- * An axis of the library, as it stands on the screen in pixels.
+ * An axis as the library has it: its values, and how many pixels they take.
  * @typedef {{range: [number, number], _length: number}} Axis
  */
+
+/** @typedef {Map<string, {x: ArrayLike<number>, y: ArrayLike<number>}>} Drawn by the traces' ids */
 
 /** Farther out of sight than this in pixels a point only costs digits. */
 const FAR = 1e5;
@@ -19,9 +21,10 @@ const FAR = 1e5;
 /**
  * @param {HTMLElement} graph drawn by the library, with the same traces at other points
  * @param {Traces} traces on linear axes
+ * @param {Drawn} drawn the points that stand there now; what is compared with stays as it is
  * @returns {boolean} whether all of them could be moved; if not, none was
  */
-export function movedCurves(graph, traces) {
+export function movedCurves(graph, traces, drawn) {
   const {data, _fullLayout: layout} = /** @type {any} */ (graph);
   /** @type {[Element, any][]} */ const moves = [];
   for (const [index, trace] of traces.entries()) {
@@ -29,6 +32,8 @@ export function movedCurves(graph, traces) {
       if (!samePoints(trace, data[index])) return false;
       continue;
     }
+    const {x, y} = drawn.get(trace.uid) ?? {};
+    if (trace.x === x && trace.y === y) continue;
     const lines = graph.querySelectorAll(`.trace${CSS.escape(trace.uid)} .js-line`);
     // Where a curve was interrupted, or had no points, the library has other paths than one.
     if (lines.length !== 1) return false;
@@ -57,9 +62,9 @@ function axisName(id) { return `${id[0]}axis${id.slice(1)}`; }
 /**
  * @param {Axis} axis
  * @param {ArrayLike<number>} values
- * @returns {string[]}
+ * @returns {string[]} where they lie, in pixels
  */
-function placesAcross({range: [from, to], _length: length}, values) {
+export function placesAcross({range: [from, to], _length: length}, values) {
   const scale = length / (to - from);
   return Array.from(values, (value) => String(rounded(scale * (value - from))));
 }
@@ -71,7 +76,7 @@ function placesAcross({range: [from, to], _length: length}, values) {
  * @param {boolean} steps whether each value holds until the next
  * @returns {string} of an SVG path
  */
-function path(across, {range: [low, high], _length: length}, values, steps) {
+export function path(across, {range: [low, high], _length: length}, values, steps) {
   const scale = length / (high - low);
   let text = '';
   let pen = 'M';

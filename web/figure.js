@@ -98,7 +98,7 @@ function line(drawing, {panel}, {trace, x, y, steps}, index) {
   const color = desired ? drawing.theme.desired : colorOf(drawing, trace.lane);
   const {
     name = desired ? 'desired' : trace.lane, dash = desired ? '6px,4px' : 'solid', opacity = 1,
-    width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3,
+    width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3, quiet = false,
   } = trace.look ?? {};
   return {
     type: 'scatter',
@@ -112,6 +112,7 @@ function line(drawing, {panel}, {trace, x, y, steps}, index) {
     yaxis: `y${axisNumber(index)}`,
     // The points are few already; leaving more out would cost peaks.
     line: {color, width, dash, simplify: false, shape: steps ? 'hv' : 'linear'},
+    hoverinfo: quiet ? 'skip' : 'all',
     hovertemplate: `%{y:.4~g} ${panel.unit}`,
     showlegend: Boolean(drawing.legend) && index === 0,
   };

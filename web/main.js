@@ -12,6 +12,8 @@ import {mount as mountMetrics} from './metrics.js';
 import {mountNotices} from './notices.js';
 import {keepFocusOffPressed} from './pointer_focus.js';
 import {Presets} from './presets.js';
+import {Preview} from './preview.js';
+import {ResponseBefore} from './response_before.js';
 import {mount as mountRightPanel} from './right_panel.js';
 import {mount as mountScene} from './scene.js';
 import {mountScrub} from './scrub.js';
@@ -21,6 +23,7 @@ import {mountBanner} from './status.js';
 import {mountTabs} from './tabs.js';
 import {applyTheme} from './theme.js';
 import {mount as mountTransport} from './transport.js';
+import {mountTuningStrip} from './tuning_strip.js';
 import {mountWatchOnly} from './watch_only.js';
 
 /** @param {string} id */
@@ -29,6 +32,8 @@ function part(id) { return /** @type {HTMLElement} */ (document.getElementById(i
 applyTheme();
 const api = new Api();
 const history = new History(api);
+const preview = new Preview(api);
+const before = new ResponseBefore(api, preview);
 const tell = mountNotices(part('notices'));
 const presets = new Presets(api, history, tell);
 const pressed = keyHandler(api, history);
@@ -41,8 +46,9 @@ mountControls(parts.tune, api, history, tell);
 mountScene(part('scene'), api, pressed);
 mountTransport(part('transport'), api);
 mountScrub(part('transport'), api, history, tell);
-mountRightPanel(parts.plots, api, {history, presets, tell});
+mountRightPanel(parts.plots, api, {preview, before, history, presets, tell});
 mountMetrics(parts.metrics, api);
+mountTuningStrip(part('workspace'), api, preview, before);
 mountTabs(part('tabs'), part('workspace'), api);
 mountLessons(part('workspace'), api, history, tell);
 mountSplitters(part('workspace'), parts);

@@ -9,6 +9,7 @@ import {
 import {MetricsNotes} from './metrics_notes.js';
 import {sinceWords} from './metrics_since.js';
 import {recall, remember} from './remembered.js';
+import {withScrollCue} from './scroll_cue.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('./metrics_columns.js').Column} Column */
@@ -57,10 +58,10 @@ class Metrics {
     );
     this.#showAll(recall('metrics.joints') === 'all');
     root.classList.add('metrics');
-    root.append(this.#bar(), element(
+    root.append(this.#bar(), withScrollCue(element(
       'div', {class: 'metrics-scroll', tabindex: 0, role: 'region', 'aria-label': 'Live session so far'},
       this.#table,
-    ));
+    )));
     for (const type of ['hello', 'state', 'metrics', 'select']) {
       api.addEventListener(type, () => this.#show());
     }

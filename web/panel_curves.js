@@ -15,9 +15,10 @@ import {extent, wanted} from './y_range.js';
 /** @typedef {import('./y_range.js').Range} Range */
 /** @typedef {{time: number, text: string}} Freeze */
 /** @typedef {{x: number, y: number, text: string}} Cross */
-/** @typedef {{name?: string, width?: number, dash?: string, opacity?: number}} Look */
+/** @typedef {{name?: string, width?: number, dash?: string, opacity?: number, quiet?: boolean}} Look */
 /**
- * `look` says what the trace's role doesn't; `steps`: each value holds until the next.
+ * `look` says what the trace's role doesn't, `quiet`: the pointer passes over it; `steps`: each
+ * value holds until the next.
  * @typedef {{trace: Pick<Trace, 'lane'|'role'> & {look?: Look}, x: Float64Array|Float32Array,
  *   y: Float64Array|Float32Array, cross: Cross|null,
  *   steps?: boolean}} Curve

@@ -3,7 +3,7 @@
 
 import {element} from './element.js';
 import {figure, library, themeOf} from './figure.js';
-import {MARGIN} from './figure_panels.js';
+import {GAP, MARGIN} from './figure_panels.js';
 import {PlotGestures} from './plot_gestures.js';
 import {PlotRedraw} from './plot_redraw.js';
 import {RedrawPace} from './redraw_pace.js';
@@ -27,8 +27,8 @@ import {YRanges} from './y_range.js';
  * @typedef {{window: Range, left: number, width: number, height: number}} TimeAxis
  */
 
-/** Lower than this a panel can't be read; the stage scrolls instead. */
-const LEAST_PANEL = 78;
+/** Lower than this in pixels a panel can't be read; the stage scrolls instead. plots.css has it. */
+const LEAST_PANEL = '--least-panel';
 /** The library can't lay out a time axis of almost no pixels. */
 const LEAST_WIDTH = 50;
 
@@ -44,6 +44,7 @@ export class Canvas {
   /** @type {import('./figure.js').Theme|null} */ #theme = null;
   #touch = matchMedia('(pointer: coarse)');
   #size = {width: 0, height: 0};
+  #leastPanel = 0;
   #gestures;
   #on;
 
@@ -62,6 +63,7 @@ export class Canvas {
     stage.append(this.#graph, this.#message);
     new ResizeObserver(([{contentRect: {width, height}}]) => {
       this.#size = {width: Math.floor(width), height: Math.floor(height)};
+      this.#leastPanel = parseFloat(getComputedStyle(stage).getPropertyValue(LEAST_PANEL));
       this.request();
     }).observe(stage);
     document.addEventListener('visibilitychange', () => this.request());
@@ -119,7 +121,7 @@ export class Canvas {
     const {panels, window, spectrum} = sheet;
     this.#theme ??= themeOf(this.#stage);
     const {width} = this.#size;
-    const least = panels.length * LEAST_PANEL + MARGIN.t + MARGIN.b;
+    const least = panels.length * (this.#leastPanel + GAP) - GAP + MARGIN.t + MARGIN.b;
     const pixels = Math.max(width - MARGIN.l - MARGIN.r, LEAST_WIDTH);
     const drawn = sheet.curves({pixels, ranges: this.#ranges});
     return figure({

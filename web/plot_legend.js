@@ -1,5 +1,5 @@
 // @ts-check
-/** Lanes and their colours above the plots; a click hides a lane's curves or shows them again. */
+/** Lanes and their colours above the plots; a click hides some curves or shows them again. */
 
 import {element} from './element.js';
 
@@ -10,16 +10,24 @@ export class PlotLegend {
   element = element('div', {class: 'plots-legend', role: 'group', 'aria-label': 'Curves'});
   #drawn = '';
   #toggle;
+  #toggleBefore;
 
-  /** @param {(lane: string) => void} toggle */
-  constructor(toggle) { this.#toggle = toggle; }
+  /**
+   * @param {(lane: string) => void} toggle
+   * @param {() => void} [toggleBefore] the curves before the last change
+   */
+  constructor(toggle, toggleBefore = () => {}) {
+    this.#toggle = toggle;
+    this.#toggleBefore = toggleBefore;
+  }
 
   /**
    * @param {{lanes: Lane[], hidden: Set<string>, selected: string, desired: boolean,
-   *   frozen: Map<string, {text: string}>}} shown
+   *   frozen: Map<string, {text: string}>, before?: boolean|null}} shown `before`: whether the
+   *   curves before the last change are shown; null where there never are any
    */
-  show({lanes, hidden, selected, desired, frozen}) {
-    const drawn = JSON.stringify([lanes, [...hidden], selected, desired, [...frozen]]);
+  show({lanes, hidden, selected, desired, frozen, before = null}) {
+    const drawn = JSON.stringify([lanes, [...hidden], selected, desired, [...frozen], before]);
     if (drawn === this.#drawn) return;
     this.#drawn = drawn;
     const focused = [...this.element.children].indexOf(
@@ -27,7 +35,8 @@ export class PlotLegend {
     );
     this.element.replaceChildren(...lanes.map((lane) => this.#entry(
       lane, !hidden.has(lane.name), lane.name === selected, frozen.get(lane.name)?.text,
-    )), ...(desired ? [desiredEntry()] : []));
+    )), ...(desired ? [desiredEntry()] : []),
+    ...(before === null ? [] : [this.#beforeEntry(before)]));
     if (focused >= 0) /** @type {HTMLElement} */ (this.element.children[focused])?.focus();
   }
 
@@ -48,6 +57,18 @@ export class PlotLegend {
       },
       dot, element('span', {class: 'plots-lane-name'}, name),
       frozen && element('span', {class: 'plots-frozen'}, 'frozen'),
+    );
+  }
+
+  /** @param {boolean} visible */
+  #beforeEntry(visible) {
+    return element(
+      'button', {
+        type: 'button', class: 'plots-lane plots-before', 'aria-pressed': String(visible),
+        title: `${visible ? 'Hide' : 'Show'} the response before the last change, an undo included`,
+        on: {click: () => this.#toggleBefore()},
+      },
+      element('span', {class: 'plots-shadow', 'aria-hidden': 'true'}), 'before the last change',
     );
   }
 }

@@ -16,6 +16,7 @@ export class PlotRedraw {
   #graph;
   #shape = '';
   #axes = '';
+  /** @type {import('./curve_paths.js').Drawn} */ #drawn = new Map();
 
   /** @param {HTMLElement} graph */
   constructor(graph) { this.#graph = graph; }
@@ -37,6 +38,7 @@ export class PlotRedraw {
       else library().react(this.#graph, figure.data, figure.layout, CONFIG);
       this.#shape = shape;
       this.#axes = axes;
+      this.#drawn = new Map(figure.data.map(({uid, x, y}) => [uid, {x, y}]));
     } catch (error) {
       // Half a plot would make every later redraw fail as well.
       this.#clear();
@@ -48,6 +50,7 @@ export class PlotRedraw {
   #clear() {
     library().purge(this.#graph);
     this.#shape = '';
+    this.#drawn.clear();
   }
 
   /**
@@ -60,7 +63,7 @@ export class PlotRedraw {
     const ranges = axesOf(layout)
       .filter((axis) => String(drawn[axis].range) !== String(layout[axis].range))
       .map((axis) => [`${axis}.range`, layout[axis].range]);
-    if (passing && !ranges.length && movedCurves(this.#graph, data)) return;
+    if (passing && !ranges.length && movedCurves(this.#graph, data, this.#drawn)) return;
     // Axes that hold still, as those of a whole response do, cost another fifth.
     if (ranges.length) library().update(this.#graph, points, Object.fromEntries(ranges));
     else library().restyle(this.#graph, points);

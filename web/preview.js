@@ -70,6 +70,9 @@ export class Preview extends EventTarget {
     return connected && (this.#wanted !== null || (this.#running?.kind ?? 'other') !== 'other');
   }
 
+  /** Whether anybody looks at responses. */
+  get isNeeded() { return this.#reasons.size > 0; }
+
   /** Whether the latest response is the live experiment's, and exact. */
   get current() {
     return this.latest !== null && !this.latest.quick

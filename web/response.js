@@ -10,7 +10,6 @@ import {PlotLegend} from './plot_legend.js';
 import {PlotTabs} from './plot_tabs.js';
 import {cursorsButton, downloadButton} from './plot_toolbar.js';
 import {TIME_KEYS, moved, reportedRanges} from './plot_window.js';
-import {Preview} from './preview.js';
 import {recall, remember} from './remembered.js';
 import {BaselineList} from './response_baseline_list.js';
 import {Baselines} from './response_baselines.js';
@@ -45,6 +44,7 @@ class ResponseScreen {
   #root;
   #tab;
   #preview;
+  #before;
   #baselines;
   #view = RESPONSE_VIEWS.find(({id}) => id === recall('response.view')) ?? RESPONSE_VIEWS[0];
   /** @type {number[]} */ #joints = rememberedJoints();
@@ -66,7 +66,8 @@ class ResponseScreen {
     this.#root = root;
     this.#tab = desk.tab;
     this.#remarks = new ResponseRemarks(api, desk);
-    this.#preview = new Preview(api);
+    this.#preview = desk.preview;
+    this.#before = desk.before;
     this.#baselines = new Baselines(this.#preview);
     this.stage = element('div', {
       class: 'plots-stage', tabindex: 0,
@@ -85,7 +86,9 @@ class ResponseScreen {
       opens: this.#opens, open: (on) => this.#openOnDrag(on),
       scene: recall('response.scene') === '1', paths: (on) => this.#pathsInScene(on),
     });
-    this.legend = new PlotLegend((lane) => this.#toggleLane(lane));
+    this.legend = new PlotLegend((lane) => this.#toggleLane(lane), () => {
+      this.#before.isShown = !this.#before.isShown;
+    });
     this.list = new BaselineList(this.#baselines, () => this.#pin());
     this.canvas = new Canvas(this.stage, () => this.#sheet(), {
       zoom: (report) => this.#zoom(report),
@@ -104,14 +107,12 @@ class ResponseScreen {
         svg: () => this.#saveImage('svg'),
         csv: () => this.#saveTable(),
       }, 'every point of the response, all joints'),
-      element('span', {class: 'spring'}), this.list.element,
+      element('span', {class: 'spring'}), this.head.status, this.list.element,
     );
     this.#root.classList.add('plots', 'response');
     this.#root.append(
-      this.head.element,
-      element('div', {class: 'response-line-up'}, this.legend.element, this.head.switches),
-      this.#remarks.element, this.stage, this.cursors.readout.element, toolbar,
-      this.#metrics.element,
+      this.head.element, this.legend.element, this.#remarks.element, this.stage,
+      this.cursors.readout.element, toolbar, this.#metrics.element,
     );
   }
 
@@ -119,6 +120,7 @@ class ResponseScreen {
     const api = this.#api;
     this.#preview.addEventListener('response', () => this.#show());
     this.#preview.addEventListener('failed', () => this.#show());
+    this.#before.addEventListener('change', () => this.#show());
     this.#baselines.addEventListener('change', () => this.#show());
     api.addEventListener('hello', () => { this.#completeIfSeen(); this.#show(); });
     api.addEventListener('select', () => this.#show());
@@ -148,7 +150,11 @@ class ResponseScreen {
     if (this.#seen) this.#tab?.mark(false);
   }
 
-  #completeIfSeen() { if (this.#seen) this.#baselines.complete(); }
+  #completeIfSeen() {
+    if (!this.#seen) return;
+    this.#baselines.complete();
+    this.#before.complete();
+  }
 
   #mark() { if (!this.#seen) this.#tab?.mark(true); }
 
@@ -241,6 +247,7 @@ class ResponseScreen {
   #content() {
     return {
       panels: this.#view.panels(this.#joints), current: this.#preview.latest,
+      before: this.#before.isShown ? this.#before.response : null,
       pinned: this.#baselines.pinned, shows: (lane) => !this.#hidden.has(lane),
       window: this.#window(),
     };
@@ -284,7 +291,10 @@ class ResponseScreen {
       lane.frozen ? [[name, {text: lane.frozen.cause}]] : []
     )));
     this.tabs.select(this.#view.id);
-    this.legend.show({lanes, selected, hidden: this.#hidden, frozen, desired: false});
+    this.stage.style.setProperty('--panels', String(this.#view.panels(this.#joints).length));
+    this.legend.show({
+      lanes, selected, hidden: this.#hidden, frozen, desired: false, before: this.#before.isShown,
+    });
     this.#remarks.show(lanes, latest);
     this.list.show(Boolean(latest));
     this.#jointToggles.show(this.#joints, this.#view.joints);

@@ -29,7 +29,7 @@ export class BaselineList {
     this.#baselines = baselines;
     this.#pin = element('button', {
       type: 'button', class: 'plots-button response-pin', on: {click: pin},
-    }, icon('pin'), 'Pin as baseline');
+    }, icon('pin'), element('span', {}, 'Pin as baseline'));
     this.element.append(this.#pin, this.#list);
   }
 

@@ -1,5 +1,5 @@
 // @ts-check
-/** The points of whole responses to draw: the current one of each lane over its baselines. */
+/** The points of whole responses to draw: each lane's current one over those it is compared with. */
 
 import {isSampledEvery} from './panel_curves.js';
 import {calmOnTop} from './trace_order.js';
@@ -14,9 +14,10 @@ import {extent, wanted} from './y_range.js';
 /** @typedef {{id: number, name: string, response: Response}} Pinned */
 /** @typedef {{lane: LaneResponse, curve: Curve}} Traced */
 /**
- * `lanes`: those to show, of the live experiment and, where only a baseline has them, others.
+ * `lanes`: those to show, of the live experiment and, where only a baseline has them, others;
+ * `before`: the one before the last change.
  * @typedef {{panels: ResponsePanel[], current: Response|null, pinned: Pinned[],
- *   shows: (lane: string) => boolean, window: Range}} ResponseSheet
+ *   before: Response|null, shows: (lane: string) => boolean, window: Range}} ResponseSheet
  */
 
 const BASELINE_WIDTH = 1;
@@ -25,6 +26,10 @@ const STRONGEST = 0.95;
 const FAINTER = 0.25;
 const FAINTEST = 0.4;
 const DASHES = '6px,4px';
+/** Solid as the present, but a broad shadow behind it. */
+const BEFORE = {width: 4, opacity: 0.3, quiet: true};
+/** @type {WeakMap<Float32Array, Float32Array>} columns in the units that are shown */
+const scaled = new WeakMap();
 
 /**
  * @param {ResponseSheet} sheet
@@ -33,12 +38,12 @@ const DASHES = '6px,4px';
  */
 export function responsePanels(sheet, ranges) {
   return sheet.panels.map((panel) => {
-    const {now, then} = tracesOf(sheet, panel);
-    // The current response lies over its baselines.
-    const traces = [...then, ...now];
+    const {now, then, before} = tracesOf(sheet, panel);
     const over = (/** @type {Traced[]} */ list) => calmOnTop(list.map(({curve}) => curve));
-    const curves = [...over(then), ...over(now)];
-    const range = ranges.linear(panel.id, dataRange(traces, sheet.window), panel);
+    const curves = [...over(before), ...over(then), ...over(now)];
+    const range = ranges.linear(
+      panel.id, dataRange([...then, ...now], before, sheet.window), panel,
+    );
     for (const {cross} of curves) {
       if (cross) cross.y = Math.min(Math.max(cross.y, range[0]), range[1]);
     }
@@ -67,9 +72,10 @@ export function responseReadings(sheet, time) {
 /**
  * @param {ResponseSheet} sheet
  * @param {ResponsePanel} panel
- * @returns {{now: Traced[], then: Traced[]}} of the current response and of the baselines
+ * @returns {{now: Traced[], then: Traced[], before: Traced[]}} of the current response, of the
+ *   baselines, and of the response before the last change
  */
-function tracesOf({current, pinned, shows}, panel) {
+function tracesOf({current, pinned, before, shows}, panel) {
   const drawn = (/** @type {Response} */ response, /** @type {(lane: string) => object} */ how) => (
     [...response.lanes.values()].filter(({name}) => shows(name))
       .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name), response.hold)}))
@@ -83,6 +89,9 @@ function tracesOf({current, pinned, shows}, panel) {
         opacity: Math.max(FAINTEST, STRONGEST - FAINTER * index),
       },
     }))),
+    before: before ? drawn(before, (lane) => ({
+      role: 'before', look: {...BEFORE, name: `${lane} · before the last change`},
+    })).map(({lane, curve}) => ({lane, curve: {...curve, cross: null}})) : [],
   };
 }
 
@@ -95,12 +104,24 @@ function tracesOf({current, pinned, shows}, panel) {
  */
 function curveOf({name, time, columns, frozen}, {channel, scale, held = false}, how, hold) {
   const column = columns.get(channel) ?? new Float32Array(time.length).fill(NaN);
-  const y = scale === 1 ? column : column.map((value) => value * scale);
+  const y = inUnits(column, scale);
   const cross = frozen && {x: frozen.time, y: lastFinite(y), text: frozen.cause};
   const trace = /** @type {Curve['trace']} */ ({lane: name, ...how});
   // A long run arrives thinned to its extremes, which are no samples any more.
   const steps = held && isSampledEvery(hold, (time[time.length - 1] - time[0]) / (time.length - 1));
   return {trace, x: time, y, cross: cross && Number.isFinite(cross.y) ? cross : null, steps};
+}
+
+/**
+ * @param {Float32Array} column of which every panel has the same scale
+ * @param {number} scale
+ * @returns {Float32Array} the same one every time: a curve that hasn't moved is known by it
+ */
+function inUnits(column, scale) {
+  if (scale === 1) return column;
+  const known = scaled.get(column) ?? column.map((value) => value * scale);
+  scaled.set(column, known);
+  return known;
 }
 
 /** @param {ArrayLike<number>} values */
@@ -111,19 +132,23 @@ function lastFinite(values) {
 }
 
 /**
+ * What was doesn't flatten what is, no more than a lane that ran away.
+ *
  * @param {Traced[]} traces
+ * @param {Traced[]} before
  * @param {Range} window
  * @returns {Range}
  */
-function dataRange(traces, [from, to]) {
-  const seen = (/** @type {boolean} */ frozen) => traces
-    .filter(({lane}) => Boolean(lane.frozen) === frozen)
-    .map(({lane, curve}) => extent(
-      /** @type {Float32Array} */ (curve.y).subarray(
-        Math.max(0, rowAt(lane.time, from) - 1), rowAt(lane.time, to) + 1,
-      ),
-    ));
-  return wanted(seen(false), seen(true));
+function dataRange(traces, before, [from, to]) {
+  const seen = (/** @type {Traced[]} */ list) => list.map(({lane, curve}) => extent(
+    /** @type {Float32Array} */ (curve.y).subarray(
+      Math.max(0, rowAt(lane.time, from) - 1), rowAt(lane.time, to) + 1,
+    ),
+  ));
+  const {running = [], frozen = []} = Object.groupBy(traces, ({lane}) => (
+    lane.frozen ? 'frozen' : 'running'
+  ));
+  return wanted(seen(running.length ? running : before), seen([...frozen, ...before]));
 }
 
 /**

@@ -1,5 +1,5 @@
 // @ts-check
-/** Above the response: its tabs, which revision it belongs to, quick or exact; two switches. */
+/** Around the response: its tabs, two switches, which revision it belongs to, quick or exact. */
 
 import {element} from './element.js';
 
@@ -17,10 +17,10 @@ const EXACT = 'Every lane from t = 0 over the horizon, with the step of the expe
 /** The line of status with its progress bar, and what may go wrong. */
 export class ResponseHead {
   element;
-  switches;
+  /** Which run is shown. */
+  status = element('span', {class: 'response-status', 'aria-live': 'polite'});
   #preview;
   #revision;
-  #status = element('span', {class: 'response-status', 'aria-live': 'polite'});
   #bar = element('div', {
     class: 'response-progress', role: 'progressbar', hidden: true,
     'aria-label': 'Computing the response',
@@ -37,15 +37,15 @@ export class ResponseHead {
   constructor(preview, revision, tabs, {opens, scene, open, paths}) {
     this.#preview = preview;
     this.#revision = revision;
-    this.element = element(
-      'header', {class: 'response-head'}, tabs, this.#status, this.#bar, this.#failure,
-    );
-    this.switches = element(
+    const switches = element(
       'div', {class: 'response-switches', role: 'group', 'aria-label': 'When and where to show'},
       switchBox('open on drag', opens, open,
         'Moving a control opens this view. Without it, this tab gets a dot.'),
       switchBox('paths in 3D', scene, paths,
         'The flange’s path of the whole response, in the 3D scene, also while another view is open.'),
+    );
+    this.element = element(
+      'header', {class: 'response-head'}, tabs, switches, this.#bar, this.#failure,
     );
     // During a drag one run follows the other; the patience is for each.
     preview.addEventListener('response', () => { this.#wait(false); this.show(); });
@@ -58,11 +58,11 @@ export class ResponseHead {
     this.#wait(busy);
     const text = latest ? wording(latest, this.#revision()) : 'not computed yet';
     // Nobody wants every step of a drag read out.
-    this.#status.setAttribute('aria-busy', String(latest?.quick ?? false));
-    if (this.#status.textContent !== text) this.#status.textContent = text;
-    this.#status.title = latest?.quick ? QUICK : EXACT;
-    this.#status.dataset.response = String(latest?.revision ?? '');
-    this.#status.dataset.run = latest ? (latest.quick ? 'quick' : 'exact') : '';
+    this.status.setAttribute('aria-busy', String(latest?.quick ?? false));
+    if (this.status.textContent !== text) this.status.textContent = text;
+    this.status.title = latest?.quick ? QUICK : EXACT;
+    this.status.dataset.response = String(latest?.revision ?? '');
+    this.status.dataset.run = latest ? (latest.quick ? 'quick' : 'exact') : '';
     this.#explain(failure);
   }
 

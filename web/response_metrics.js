@@ -4,6 +4,7 @@
 import {element} from './element.js';
 import {COLUMNS, threeDigits} from './metrics_columns.js';
 import {changeOf} from './response_change.js';
+import {withScrollCue} from './scroll_cue.js';
 
 /** @typedef {import('./metrics_columns.js').Column} Column */
 /** @typedef {import('./preview_message.js').LaneResponse} LaneResponse */
@@ -23,7 +24,7 @@ const MILLI = 1000;
 /** Error of an angle [rad] above which a run is not to be trusted blindly; ours. */
 const GOOD = 1e-3;
 const ESTIMATE = {
-  id: 'estimate', title: 'error estimate', unit: 'mrad',
+  id: 'estimate', title: 'accuracy', unit: 'mrad',
   meaning: 'By how much the angles of this run may be off, as a second, coarser run tells.',
 };
 
@@ -44,10 +45,10 @@ export class ResponseMetrics {
   #built = '';
 
   constructor() {
-    this.element = element('div', {
+    this.element = withScrollCue(element('div', {
       class: 'response-figures', tabindex: 0, role: 'region',
       'aria-label': 'Metrics of the whole response',
-    }, this.#table);
+    }, this.#table));
   }
 
   /** @param {Compared} compared */
@@ -81,7 +82,8 @@ export class ResponseMetrics {
       dot.style.setProperty('--lane', color);
       const body = element('tbody', {}, this.#row(
         key(name), columns, element('span', {class: 'response-lane'}, dot,
-          element('span', {}, name), element('span', {class: 'response-state'})),
+          element('span', {class: 'response-lane-name', title: name}, name),
+        element('span', {class: 'response-state'})),
       ));
       for (const {id, name: title} of baselines) {
         const words = element('span', {class: 'response-against'}, title);

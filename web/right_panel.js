@@ -9,8 +9,10 @@ import {mount as mountResponse} from './response.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /**
- * What a view may use beside the server: undo, presets, and a word in the corner.
- * @typedef {{history: import('./history.js').History, presets: import('./presets.js').Presets,
+ * What a view may use beside the server: whole responses, undo, presets, and a word in the corner.
+ * @typedef {{preview: import('./preview.js').Preview,
+ *   before: import('./response_before.js').ResponseBefore,
+ *   history: import('./history.js').History, presets: import('./presets.js').Presets,
  *   tell: import('./notices.js').Tell}} Desk
  */
 /**
@@ -61,7 +63,9 @@ export function mount(root, api, desk, entries = ENTRIES) {
   }, ...views.map(({tab}) => tab));
   root.classList.add('right-panel');
   root.append(row, ...views.map(({place}) => place));
-  api.addEventListener('show', () => choose('live'));
+  api.addEventListener('show', (event) => (
+    choose(/** @type {CustomEvent} */ (event).detail.view ?? 'live')
+  ));
   const last = recall('right.view');
   choose(entries.find(({id}) => id === last)?.id ?? entries[0].id);
   for (const {entry, place, tab} of views) {

@@ -70,7 +70,7 @@ def until_exact(page: Page, dashboard: Dashboard) -> None:
     # The first one waits until the server's processes for such runs have started.
     expect(status).to_have_attribute("data-run", "exact", timeout=60_000)
     expect(status).to_have_attribute("data-response", str(revision(dashboard)))
-    expect(page.locator(".response path.js-line").nth(8)).to_be_attached()
+    expect(lines_shown(page).first).to_be_attached()
 
 
 def simulated(dashboard: Dashboard) -> Run:
@@ -102,11 +102,24 @@ def expected_figures(run: Run, lane: str) -> list[float]:
     ]
 
 
-def curves(page: Page) -> list[str]:
-    """Return the paths drawn, panel by panel."""
-    lines = page.locator(".response .scatterlayer path.js-line")
+def lines_shown(page: Page) -> Locator:
+    """Return the curves drawn, panel by panel, without those before the last change."""
+    return page.locator(".response .trace:not([class*=tracebefore]) path.js-line")
+
+
+def lines_before(page: Page) -> Locator:
+    """Return the faint curves of before the last change, panel by panel."""
+    return page.locator(".response .trace[class*=tracebefore] path.js-line")
+
+
+def paths(lines: Locator) -> list[str]:
     found: list[str] = lines.evaluate_all("lines => lines.map(line => line.getAttribute('d'))")
     return found
+
+
+def curves(page: Page) -> list[str]:
+    """Return the paths drawn, panel by panel."""
+    return paths(lines_shown(page))
 
 
 def slider(page: Page, gain: str) -> Locator:
@@ -201,11 +214,8 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     until_exact(page, dashboard)
     expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
-    # Of each lane the baseline, solid, and the current response, dashed.
-    lines = page.locator(".response .scatterlayer path.js-line")
+    lines = lines_shown(page)
     expect(lines).to_have_count(3 * 2 * len(LANES))
-    dashes = lines.evaluate_all("lines => lines.map(line => line.style.strokeDasharray)")
-    assert sum(bool(dash) for dash in dashes) == 3 * len(LANES)
 
     page.reload()
     until_exact(page, dashboard)
@@ -333,7 +343,7 @@ def test_the_present_is_solid_and_what_it_is_compared_with_dashed(
     page.get_by_role("button", name="Pin as baseline").click()
     type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
     until_exact(page, dashboard)
-    lines = page.locator(".response .scatterlayer path.js-line")
+    lines = lines_shown(page)
     expect(lines).to_have_count(2 * 3 * len(LANES))
     look = "lines => lines.map(line => getComputedStyle(line).strokeDasharray)"
     dashes = lines.evaluate_all(look)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -44,6 +46,10 @@ def gain(dashboard: Dashboard) -> float:
     return float(lanes["RBFNN-NFTSM"]["c"])
 
 
+def revision(dashboard: Dashboard) -> int:
+    return int(dashboard.client.get("/api/experiment").json()["revision"])
+
+
 def until_gain(dashboard: Dashboard, least: float, greatest: float) -> None:
     deadline = time.monotonic() + 15.0
     while not least < gain(dashboard) < greatest:
@@ -58,8 +64,9 @@ def along(page: Page, share: float, down: float = 0.0) -> Point:
     return box["x"] + share * box["width"], box["y"] + box["height"] / 2 + down
 
 
-def swipe(page: Page, start: Point, end: Point) -> None:
-    """Move one finger in a straight line."""
+@contextmanager
+def swiped(page: Page, start: Point, end: Point) -> Iterator[None]:
+    """Move one finger in a straight line; it is lifted after what is done inside."""
     finger: CDPSession = page.context.new_cdp_session(page)
 
     def touch(kind: str, *points: Point) -> None:
@@ -73,7 +80,20 @@ def swipe(page: Page, start: Point, end: Point) -> None:
             "touchMove",
             *[(start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1]))],
         )
+    yield
     touch("touchEnd")
+
+
+def swipe(page: Page, start: Point, end: Point) -> None:
+    with swiped(page, start, end):
+        pass
+
+
+def until(page: Page, done: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + 30.0
+    while not done():
+        assert time.monotonic() < deadline, what
+        page.wait_for_timeout(50)
 
 
 def test_a_finger_drags_a_slider_and_the_page_stays(phone: Page, dashboard: Dashboard) -> None:
@@ -90,7 +110,7 @@ def test_a_finger_drags_a_slider_and_the_page_stays(phone: Page, dashboard: Dash
 def test_a_finger_that_scrolls_over_a_slider_sets_nothing(
     phone: Page, dashboard: Dashboard
 ) -> None:
-    revision = dashboard.client.get("/api/experiment").json()["revision"]
+    first = revision(dashboard)
     before = phone.evaluate(SCROLLED)
     swipe(phone, along(phone, 0.2), along(phone, 0.2, down=-250))
     phone.wait_for_function(f"before => ({SCROLLED})() > before + 100", arg=before)
@@ -100,7 +120,52 @@ def test_a_finger_that_scrolls_over_a_slider_sets_nothing(
     box.fill("9")
     box.press("Enter")
     until_gain(dashboard, 8.9, 9.1)
-    assert dashboard.client.get("/api/experiment").json()["revision"] == revision + 1
+    assert revision(dashboard) == first + 1
+
+
+def test_what_a_dragged_slider_does_is_in_sight_above_it(phone: Page, dashboard: Dashboard) -> None:
+    asked: list[str] = []
+    phone.on("request", lambda r: asked.append(r.url) if r.url.endswith("/preview") else None)
+    strip, lines = phone.locator(".strip"), phone.locator(".strip-line")
+    mean, change = strip.locator("dd").first, strip.locator(".response-change").first
+    # The first response waits until the server's processes for such runs have started.
+    expect(lines).to_have_count(3, timeout=60_000)
+    before = mean.inner_text()
+    drawn = lines.first.get_attribute("d")
+    with swiped(phone, along(phone, 0.7), along(phone, 0.3)):
+        until(phone, lambda: mean.inner_text() != before, "the figures stand still")
+        expect(change).to_have_text(re.compile("better|worse"))
+        expect(phone.locator(".strip-line.is-before")).to_have_count(1)
+        until(phone, lambda: lines.last.get_attribute("d") != drawn, "the curves stand still")
+        for part in (strip, slider(phone)):
+            expect(part).to_be_in_viewport(ratio=1)
+    until_gain(dashboard, 0.3, 0.5)
+    for width, height in ((820, 1180), (390, 844)):
+        phone.set_viewport_size({"width": width, "height": height})
+        place = strip.bounding_box()
+        assert place is not None
+        assert 100 < place["height"] <= height / 4
+        assert strip.evaluate("one => one.scrollHeight <= one.clientHeight")
+
+    # It is the response of the plots, run once for both.
+    status = phone.locator(".response-status")
+    until(
+        phone,
+        lambda: (
+            status.get_attribute("data-run") == "exact"
+            and status.get_attribute("data-response") == str(revision(dashboard))
+        ),
+        "no exact response",
+    )
+    runs = len(asked)
+    label = strip.locator("dt").first.inner_text()
+    value = mean.inner_text().split()[0]
+    strip.tap()
+    expect(phone.get_by_role("tab", name="Response")).to_be_focused()
+    joint = phone.locator(f".response-table .metrics-mae{label[-1]}").first
+    expect(joint).to_have_text(value)
+    assert len(asked) == runs
+    expect(strip).to_be_hidden()
 
 
 def test_every_tab_is_under_the_thumb_and_shows_its_part(phone: Page) -> None:

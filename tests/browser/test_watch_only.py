@@ -127,9 +127,16 @@ def test_on_a_phone_a_viewer_begins_with_the_plots(
 ) -> None:
     dashboard = start_dashboard("--token")
     page.set_viewport_size({"width": 390, "height": 844})
+    asked: list[str] = []
+    page.on("request", lambda r: asked.append(r.url) if r.method != "GET" else None)
     page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(viewers_address(dashboard))
     expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
     expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c']").first).to_be_hidden()
     page.get_by_role("tab", name="Metrics").click()
     expect(page.locator("#metrics table").first).to_be_visible()
+    # Nor does it ask for runs to be seen above the controls.
+    page.get_by_role("tab", name="Tune").click()
+    expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c']").first).to_be_visible()
+    expect(page.locator(".strip")).to_be_hidden()
+    assert asked == []
