@@ -8,8 +8,9 @@
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
  * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
- * open the lessons; `edits`: open the list of edits; `show`: the `tab` of the plots to be seen;
- * `look`: the past `time` that the 3D scene shows, null for the present.
+ * open the lessons; `edits`: open the list of edits; `home`: put the camera back; `show`: the
+ * `tab` of the plots to be seen; `look`: the past `time` that the 3D scene shows, null for the
+ * present.
  */
 
 import {Connection} from './connection.js';

@@ -7,8 +7,8 @@ import {element} from './element.js';
 export const WATCH_ONLY = 'You are watching: this address shows the live session and changes nothing. '
   + 'Whoever started Slidetune has the address that does.';
 
-/** Whose keys work: joints, cursors, the list of edits and that of keys. */
-const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', '?']);
+/** Whose keys work: joints, cursors, the camera, the list of edits and that of keys. */
+const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', 'v', '?']);
 /** What would change something. What makes no sense while watching is hidden by watch_only.css. */
 const CONTROLS = [
   ':is(.gains, .sections) :is(input, select, textarea, button:not(.disclosure))',

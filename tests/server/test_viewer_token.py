@@ -241,7 +241,7 @@ def test_only_the_owner_pulls_the_arm_through_the_scene(shared: Served, role: Ro
         while there not in [tuple(c.camera.position) for c in scene._viewer.get_clients().values()]:
             assert time.monotonic() < end, "Viser never heard where the camera is"
             browser.recv(timeout=20.0)
-        assert (scene.push() is not None) is (role == "owner")
+        assert (scene.pull() is not None) is (role == "owner")
 
 
 @pytest.mark.parametrize(
