@@ -90,6 +90,13 @@ class LaneStatus(BaseModel):
     )
 
 
+class ResultCounts(BaseModel):
+    """How many results of the live experiment were kept; another number says that there is news."""
+
+    response: int = Field(description="Whole responses: ``GET /api/results/response``.")
+    lens: int = Field(description="Looks through a lens: ``GET /api/results/lens``.")
+
+
 class SessionState(BaseModel):
     """Where the live session stands."""
 
@@ -108,6 +115,7 @@ class SessionState(BaseModel):
     horizon: float
     selected: str
     view: dict[str, Any]
+    results: ResultCounts
     lanes: dict[str, LaneStatus]
 
 

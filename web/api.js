@@ -36,7 +36,7 @@ export {ApiError};
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
  *   capped: boolean, revision: number, epoch: number, waiting_steps: number, horizon: number,
- *   lanes: {[name: string]: LaneState}}} State
+ *   results: {response: number, lens: number}, lanes: {[name: string]: LaneState}}} State
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
@@ -218,7 +218,7 @@ export class Api extends EventTarget {
   // Whole runs beside the live session
 
   /**
-   * Run a lane over its horizon and look at it.
+   * Run a lane over its horizon and look at it; while watching: what the owner last saw.
    *
    * @param {string} lane
    * @param {('sliding'|'network'|'chattering')[]} lenses
@@ -227,6 +227,10 @@ export class Api extends EventTarget {
    * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up
    */
   lens(lane, lenses, {experiment = this.experiment, patch = {}, signal} = {}) {
+    if (isWatching()) {
+      const query = new URLSearchParams({lane, lens: lenses[0]});
+      return request('GET', `/api/results/lens?${query}`, undefined, signal);
+    }
     return request('POST', '/api/lens', {lane, lenses, patch, experiment}, signal);
   }
 
@@ -244,13 +248,15 @@ export class Api extends EventTarget {
   }
 
   /**
-   * Run every lane over its horizon. Of two at once the server gives up the older.
+   * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
+   * server gives up the older.
    *
    * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
    * @param {AbortSignal} [signal]
    * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
    */
   preview(body, signal) {
+    if (isWatching()) return request('GET', '/api/results/response', undefined, signal);
     return request('POST', '/api/preview', {...body, client: `${this.client} preview`}, signal);
   }
 

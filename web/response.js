@@ -20,6 +20,7 @@ import {ResponseMetrics} from './response_metrics.js';
 import {ResponseRemarks} from './response_remarks.js';
 import {responseTable} from './response_table.js';
 import {RESPONSE_VIEWS} from './response_views.js';
+import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('./y_range.js').Range} Range */
@@ -148,7 +149,7 @@ class ResponseScreen {
     if (this.#seen) this.#tab?.mark(false);
   }
 
-  #completeIfSeen() { if (this.#seen) this.#baselines.complete(); }
+  #completeIfSeen() { if (this.#seen && !isWatching()) this.#baselines.complete(); }
 
   #mark() { if (!this.#seen) this.#tab?.mark(true); }
 
@@ -267,7 +268,7 @@ class ResponseScreen {
       window: content.window,
       zoomed: this.#zoomed,
       curves: ({ranges}) => responsePanels(content, ranges),
-      message: drawable || this.#preview.failure ? '' : 'Computing the response …',
+      message: drawable || this.#preview.failure ? '' : waiting(),
       marks: [],
       colors: this.#colors(),
       selected: this.#api.selected,
@@ -311,6 +312,11 @@ class ResponseScreen {
   #fileName(ending) {
     return `slidetune-response-${this.#view.id}-rev${this.#preview.latest?.revision ?? 0}.${ending}`;
   }
+}
+
+function waiting() {
+  if (!isWatching()) return 'Computing the response …';
+  return 'No response yet: as soon as the owner opens Response, it is here as well.';
 }
 
 /** @returns {number[]} */
