@@ -27,6 +27,7 @@ from server.routes.lessons import lessons_router
 from server.routes.live import live_router
 from server.routes.presets import presets_router
 from server.routes.preview import preview_router
+from server.routes.results import results_router
 from server.routes.session import session_router
 from server.routes.studies import studies_router
 from server.scene_relay import scene_router
@@ -90,6 +91,7 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
     app.include_router(preview_router(studio))
     app.include_router(studies_router(studio))
     app.include_router(lens_router(studio))
+    app.include_router(results_router(studio))
     app.include_router(live_router(studio, hub))
     app.include_router(docs_router())
     scene = studio.view.scene

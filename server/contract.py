@@ -102,6 +102,13 @@ class ViewState(BaseModel):
     ghosts: bool = Field(description="Whether the arms of the lanes not selected are drawn.")
 
 
+class ResultCounts(BaseModel):
+    """How many results of the live experiment were kept; another number says that there is news."""
+
+    response: int = Field(description="Whole responses: ``GET /api/results/response``.")
+    lens: int = Field(description="Looks through a lens: ``GET /api/results/lens``.")
+
+
 class SessionState(BaseModel):
     """Where the live session stands."""
 
@@ -120,6 +127,7 @@ class SessionState(BaseModel):
     horizon: float = Field(description="Length of a whole response [s].")
     selected: str = Field(description="The lane whose arm is solid in 3D.")
     view: ViewState
+    results: ResultCounts = Field(description="How many results watchers may read.")
     lanes: dict[str, LaneStatus] = Field(description="By name.")
 
 

@@ -1,14 +1,13 @@
-"""What a person does to the arm: a kick from the screen, a pull at the flange."""
+"""What a person does to the arm: a kick from the screen, a pull at one of its links."""
 
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 
-from robot.arm import FLANGE
 from robot.closed_loop import ClosedLoop
 from robot.quantity import JOINTS
 from robot.workspace import PUSH, Q
+from server.pull import Pull
 
 Array = np.ndarray
 
@@ -35,24 +34,21 @@ class Push:
         """Push with ``torque`` [N m] until simulated time ``until`` [s]."""
         self._torque, self._until, self._active = torque, until, True
 
-    def apply(self, loop: ClosedLoop, force: Array | None) -> None:
+    def apply(self, loop: ClosedLoop, pull: Pull | None) -> None:
         r"""Set the push of every lane for its next steps: the kick plus :math:`J^T f`.
 
         Args:
             loop: the closed loop.
-            force: force at the flange in [N] in the base frame, or ``None``. Shape (3,).
+            pull: the force on the same point of every lane's arm, or ``None``.
         """
         kicked = loop.time < self._until
-        if not (kicked or force is not None or self._active):
+        if not (kicked or pull is not None or self._active):
             return
-        self._active = kicked or force is not None
+        self._active = kicked or pull is not None
         model = loop.packed.model
-        data = model.createData() if force is not None else None
+        data = model.createData() if pull is not None else None
         for lane in loop.lanes.values():
             torque = self._torque.copy() if kicked else np.zeros(JOINTS)
-            if data is not None:
-                frame = model.getFrameId(FLANGE)
-                axes = pin.LOCAL_WORLD_ALIGNED
-                jacobian = pin.computeFrameJacobian(model, data, lane.work[Q], frame, axes)
-                torque += jacobian[:3].T @ force
+            if pull is not None:
+                torque += pull.grip.torque(model, data, lane.work[Q], pull.force)
             lane.work[PUSH] = torque

@@ -1,6 +1,6 @@
 """The 3D scene: what the session's thread tells Viser, at most once a picture.
 
-All methods but ``push`` belong to one thread. Nodes are made once and then changed in place: a
+All methods but ``pull`` belong to one thread. Nodes are made once and then changed in place: a
 node's name stays in Viser's memory for ever.
 """
 
@@ -18,6 +18,7 @@ from server.desired_path import DesiredPath
 from server.exaggeration import exaggerated_angles
 from server.ghost_mesh import ghost_mesh
 from server.gizmo import Gizmo
+from server.pull import Pull
 from server.response_paths import ResponsePaths
 from server.scene_arm import GhostArm, SolidArm, joint_orientations
 from server.scene_frame import LaneStyle, SceneFrame, ShownLane
@@ -65,7 +66,7 @@ class Scene:
         self._arm = SolidArm(self._viewer.scene, "/arm")
         self._desired = DesiredPath(self._viewer.scene, "/desired")
         self._responses = ResponsePaths(self._viewer.scene, "/response")
-        self._gizmo = Gizmo(self._viewer)
+        self._gizmo = Gizmo(self._viewer, self._arm.links)
         self._label = self._viewer.scene.add_label(
             "/label",
             "",
@@ -152,12 +153,9 @@ class Scene:
         if name in self._lanes:
             self._lanes[name] = ShownLane()
 
-    def push(self) -> Array | None:
-        """Return the force on the flange [N] in the base frame while somebody pulls, else ``None``.
-
-        Safe to call from any thread. Shape (3,).
-        """
-        return self._gizmo.force()
+    def pull(self) -> Pull | None:
+        """Return how somebody pulls at the arm, or ``None``. Safe to call from any thread."""
+        return self._gizmo.pull()
 
     def lock(self) -> str:
         """Let only those connect to Viser's own port who know a key; return the key."""
@@ -200,13 +198,14 @@ class Scene:
         flanges = flange_positions(np.vstack([angles, q_d]))
         self._desired.mark(flanges[-1])
         turned = joint_orientations(angles)
-        for (i, lane), flange, orientations in zip(known, flanges, turned, strict=False):
+        shown = zip(known, angles, flanges, turned, strict=False)
+        for (i, lane), drawn, flange, orientations in shown:
             chosen = self._styles[i].name == self._selected
             lane.trail.stretch_to(self._factor)
             self._slots[i].line.show(lane.trail, lane.trail.points[-1] if past else flange)
             if chosen:
                 self._arm.pose(orientations)
-                self._gizmo.follow(flange)
+                self._gizmo.follow(flange, drawn)
             if self._seen(lane, chosen):
                 self._slots[i].ghost.pose(orientations)
 

@@ -28,6 +28,8 @@ PAYLOAD_DENSITY = 7850.0
 """Density that a payload is drawn with in [kg/m^3] (*ours*): steel."""
 PAYLOAD_COLOR = (196, 164, 92)
 """*Ours*: brass, a colour that no lane has."""
+HIDDEN = 1e-4
+"""Size of what is not there, in [m] and as a scale (*ours*)."""
 
 # Height along the flange's z, radius and thickness of the band in the lane's colour [m] (ours).
 _FLANGE_BAND = (-0.0205, 0.0417, 0.011)
@@ -94,7 +96,11 @@ def _chain(root: str) -> list[tuple[str, str, Array]]:
 
 
 class SolidArm(_Arm):
-    """The arm as it looks, with a band in the lane's colour, and what it carries."""
+    """The arm as it looks, with a band in the lane's colour, and what it carries.
+
+    Attributes:
+        links: the moving ones, in the order of the joints.
+    """
 
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
         """Add the arm's nodes below ``name``."""
@@ -104,7 +110,8 @@ class SolidArm(_Arm):
 
         add(name, LINK_NAMES[0], np.zeros(3))
         chain = _chain(name)
-        super().__init__([add(*node) for node in chain])
+        self.links = [add(*node) for node in chain]
+        super().__init__(self.links)
         flange = chain[-1][0]
         height, radius, thickness = _FLANGE_BAND
         self._band = scene.add_cylinder(
@@ -121,11 +128,13 @@ class SolidArm(_Arm):
             1.0,
             color=PAYLOAD_COLOR,
             radial_segments=24,
+            scale=HIDDEN,
             receive_shadow=False,
             visible=False,
         )
         self._load = scene.add_icosphere(
             f"{flange}/payload",
+            radius=HIDDEN,
             color=PAYLOAD_COLOR,
             subdivisions=4,
             receive_shadow=False,
@@ -149,6 +158,10 @@ class SolidArm(_Arm):
             self._stem.scale = (1.0, 1.0, max(distance, 1e-3))
             self._stem.position = 0.5 * center
             self._stem.wxyz = _turn_of_z(center / max(distance, 1e-3))
+        else:
+            # A pointer meets what is hidden as well.
+            self._load.radius = HIDDEN
+            self._stem.scale = HIDDEN
 
 
 class GhostArm(_Arm):

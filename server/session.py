@@ -21,6 +21,7 @@ from robot.workspace import Q
 from server.commands import Commands, Request
 from server.live_figures import LiveFigures
 from server.pacing import TICK, Pacer
+from server.pull import Pull
 from server.push import Push
 from server.recorder import Recorder
 from server.roughness import Roughness
@@ -41,8 +42,8 @@ Array = np.ndarray
 class View(Protocol):
     """What the session feeds; see ``server.stage_view``."""
 
-    def force(self) -> Array | None:
-        """Return the force by which somebody pulls at the flange in [N], or ``None``."""
+    def pull(self) -> Pull | None:
+        """Return how somebody pulls at the arm, or ``None``."""
 
     def new_lanes(self, columns: list[Channel]) -> None:
         """Take the columns of other lanes."""
@@ -315,7 +316,7 @@ class Session:
     def _advance(self, count: int) -> None:
         """Make ``count`` steps and publish their rows."""
         loop, time, first = self.loop, self.loop.time, self.loop.number
-        self._push.apply(loop, self.view.force() if self.view is not None else None)
+        self._push.apply(loop, self.view.pull() if self.view is not None else None)
         frozen = sum(lane.freeze is not None for lane in loop.lanes.values())
         for _ in range(min(count, BUFFER)):
             self.recorder.look(loop)

@@ -14,6 +14,7 @@ from robot.packed import Packed
 from robot.simulate import desired_motion
 from robot.workspace import QD, Q
 from server.colors import LaneColors
+from server.pull import Pull
 from server.recorder import Moment
 from server.scene import LaneStyle, Scene, SceneFrame
 from server.telemetry import Channel
@@ -48,9 +49,9 @@ class StageView:
         self._past: Moment | None = None
         self._present: float | None = None
 
-    def force(self) -> Array | None:
-        """Return the force by which somebody pulls at the flange in [N], or ``None``."""
-        return None if self._broken else self.scene.push()
+    def pull(self) -> Pull | None:
+        """Return how somebody pulls at the arm, or ``None``."""
+        return None if self._broken else self.scene.pull()
 
     def new_lanes(self, columns: list[Channel]) -> None:
         """Find the flange columns of other lanes."""

@@ -18,6 +18,7 @@ from robot.stability import notes
 from server.colors import LaneColors
 from server.document import Document
 from server.edit_history import EditHistory
+from server.last_results import LastResults
 from server.preview import Previews
 from server.scene import Scene
 from server.session import Session
@@ -62,6 +63,7 @@ class Studio:
         history: who changed what.
         workers: processes for whole runs.
         previews: whole responses for the screen.
+        results: what the owner last asked for of the live experiment.
         started: monotonic time of the start in [s].
     """
 
@@ -77,6 +79,7 @@ class Studio:
         self.document.listeners.append(self.history.note)
         self.workers = Workers()
         self.previews = Previews(self.workers)
+        self.results = LastResults()
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
 
@@ -139,7 +142,13 @@ class Studio:
         view = {"exaggeration": self.view.exaggeration, "ghosts": self.view.ghosts}
         lanes = self.document.experiment.lanes
         selected = self.view.selected if self.view.selected in lanes else next(iter(lanes))
-        return {"type": "state", **self.session.state(), "selected": selected, "view": view}
+        return {
+            "type": "state",
+            **self.session.state(),
+            "selected": selected,
+            "view": view,
+            "results": self.results.counts(),
+        }
 
     def metrics(self) -> dict[str, Any]:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""

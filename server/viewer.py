@@ -97,10 +97,8 @@ def _renumber(viewer: Viewer) -> None:
 
 
 def _dress(viewer: Viewer) -> None:
+    # The page hides Viser's panel, but its button for the camera has to be there.
     viewer.gui.configure_theme(show_logo=False, show_share_button=False, control_width="small")
-    viewer.gui.set_panel_label("Scene")
-    viewer.gui.main_panel.float(x=-10.0, y=10.0, width=130.0)
-    viewer.gui.main_panel.minimize()
     viewer.initial_camera.position = CAMERA
     viewer.initial_camera.look_at = LOOK_AT
     viewer.initial_camera.fov = FIELD_OF_VIEW

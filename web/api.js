@@ -8,9 +8,9 @@
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
  * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
- * open the lessons; `edits`: open the list of edits; `show`: the `tab` of the live plots to be seen,
- * or another `view` of the right column;
- * `look`: the past `time` that the 3D scene shows, null for the present.
+ * open the lessons; `edits`: open the list of edits; `home`: put the camera back; `show`: the `tab`
+ * of the live plots to be seen, or another `view` of the right column; `look`: the past `time` that
+ * the 3D scene shows, null for the present.
  */
 
 import {Connection} from './connection.js';
@@ -36,7 +36,7 @@ export {ApiError};
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
  *   capped: boolean, revision: number, epoch: number, waiting_steps: number, horizon: number,
- *   lanes: {[name: string]: LaneState}}} State
+ *   results: {response: number, lens: number}, lanes: {[name: string]: LaneState}}} State
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
@@ -219,7 +219,7 @@ export class Api extends EventTarget {
   // Whole runs beside the live session
 
   /**
-   * Run a lane over its horizon and look at it.
+   * Run a lane over its horizon and look at it; while watching: what the owner last saw.
    *
    * @param {string} lane
    * @param {('sliding'|'network'|'chattering')[]} lenses
@@ -228,6 +228,10 @@ export class Api extends EventTarget {
    * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up
    */
   lens(lane, lenses, {experiment = this.experiment, patch = {}, signal} = {}) {
+    if (isWatching()) {
+      const query = new URLSearchParams({lane, lens: lenses[0]});
+      return request('GET', `/api/results/lens?${query}`, undefined, signal);
+    }
     return request('POST', '/api/lens', {lane, lenses, patch, experiment}, signal);
   }
 
@@ -245,13 +249,15 @@ export class Api extends EventTarget {
   }
 
   /**
-   * Run every lane over its horizon. Of two at once the server gives up the older.
+   * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
+   * server gives up the older.
    *
    * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
    * @param {AbortSignal} [signal]
    * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
    */
   preview(body, signal) {
+    if (isWatching()) return request('GET', '/api/results/response', undefined, signal);
     return request('POST', '/api/preview', {...body, client: `${this.client} preview`}, signal);
   }
 

@@ -9,6 +9,7 @@ import {knee} from './lens_knee.js';
 import {keyOf} from './lens_key.js';
 import {threeDigits} from './metrics_columns.js';
 import {written} from './quantity.js';
+import {RUNS_ARE_THE_OWNERS, isWatching} from './watch_only.js';
 
 /** @typedef {import('./lens_card.js').Look} Look */
 /** @typedef {import('./lens_figure.js').Colors} Colors */
@@ -145,6 +146,7 @@ export class SmoothingCard {
    * @param {boolean} old
    */
   #says(switches, old) {
+    if (isWatching()) return RUNS_ARE_THE_OWNERS;
     if (!switches) return 'This law has no switching function to smooth.';
     if (this.#running) return `${this.#rows.length} of 16 runs …`;
     if (old) return 'Measured before the last change.';

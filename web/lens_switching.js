@@ -7,6 +7,7 @@ import {LensFigure} from './lens_figure.js';
 import {keyOf} from './lens_key.js';
 import {spectrumFigure} from './lens_spectrum.js';
 import {threeDigits} from './metrics_columns.js';
+import {RUNS_ARE_THE_OWNERS, isWatching} from './watch_only.js';
 
 /** @typedef {import('./lens_card.js').Look} Look */
 /** @typedef {{name: string, dash: string, seen?: any, refused?: string}} Trial */
@@ -139,7 +140,7 @@ export class SwitchingCard {
     const old = trials.length > 0 && this.#key() !== this.#compared;
     this.#button.disabled = !switches;
     this.#button.textContent = this.#running ? 'Stop' : 'Compare the three';
-    this.#note.textContent = !switches ? 'This law has no switching function.'
+    this.#note.textContent = isWatching() ? RUNS_ARE_THE_OWNERS : !switches ? 'This law has no switching function.'
       : this.#running ? `${trials.length} of 3 runs …` : old ? 'Run before the last change.' : '';
     this.#table.hidden = !trials.length;
     this.#way.hidden = !trials.length || experiment.simulation?.mode !== 'continuous';

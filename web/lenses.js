@@ -11,6 +11,7 @@ import {holdOf} from './panel_curves.js';
 import {PlotTabs} from './plot_tabs.js';
 import {RedrawPace} from './redraw_pace.js';
 import {recall, remember} from './remembered.js';
+import {isWatching, ownersLast} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('./right_panel.js').Desk} Desk */
@@ -94,9 +95,11 @@ class Lenses {
         // Other messages tell of the session, which may lag behind the experiment.
         this.#revision = /** @type {CustomEvent} */ (event).detail.revision ?? this.#revision;
         this.#nameLane();
+        this.#tell();
         this.#refresh();
       });
     }
+    this.#api.addEventListener('state', () => { if (isWatching()) this.#refresh(); });
     this.#api.addEventListener('frame', () => {
       if (this.#lens === this.#sliding && this.#awake) this.#pace.request({least: LEAST_MS});
     });
@@ -161,43 +164,61 @@ class Lenses {
   get #fits() { return this.#api.selected in (this.#api.experiment.lanes ?? {}); }
 
   #key() {
-    const {experiment, selected} = this.#api;
-    return `${this.#lens.id} ${keyOf(experiment, selected)}`;
+    const {experiment, selected, session} = this.#api;
+    // Nothing is computed for a page that watches: there is news when the owner has some.
+    const depends = isWatching() ? `${selected} ${session?.results.lens}` : keyOf(experiment, selected);
+    return `${this.#lens.id} ${depends}`;
   }
 
   async #fetch() {
     const {selected: lane} = this.#api;
-    const [key, {id}, revision] = [this.#key(), this.#lens, this.#revision];
-    const gains = this.#api.experiment.lanes?.[lane] ?? {};
-    const hold = holdOf(this.#api.experiment);
+    const [key, {id}, revision, present] = [
+      this.#key(), this.#lens, this.#revision, this.#api.experiment,
+    ];
     this.#busy = true;
     this.#since = performance.now();
     this.#root.classList.add('is-busy');
-    this.#status.textContent = 'computing …';
+    if (!isWatching()) this.#status.textContent = 'computing …';
+    let failure = '';
     try {
       const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
-      if (seen) this.#look = {id, lane, seen, gains, hold};
-      this.#status.textContent = seen ? `whole response, rev ${revision}` : '';
-      this.#show();
+      // The owner's look may be at an older experiment, which comes with it.
+      const {experiment} = {experiment: present, ...seen};
+      const gains = experiment.lanes?.[lane] ?? {};
+      if (seen) this.#look = {id, lane, seen, gains, hold: holdOf(experiment), revision};
+      else if (isWatching()) this.#look = null;
     } catch (error) {
       this.#look = null;
-      this.#status.textContent = '';
-      this.#say(/** @type {Error} */ (error).message);
+      failure = /** @type {Error} */ (error).message;
     }
     // A refusal isn't asked for again until something changes.
     this.#seen = key;
     this.#busy = false;
     this.#root.classList.remove('is-busy');
+    this.#show();
+    if (failure) this.#say(failure);
     this.#refresh();
   }
 
   // What is shown
 
+  /** Whether what was looked at last is what is chosen now. */
+  get #shown() { return this.#look?.id === this.#lens.id && this.#look.lane === this.#api.selected; }
+
+  /** Say which revision it is; while one is computed, that is said. */
+  #tell() {
+    const look = this.#look;
+    if (this.#busy && !isWatching()) return;
+    this.#status.textContent = !look || !this.#shown ? ''
+      : isWatching() ? ownersLast('look', look.seen.revision, this.#api.revision)
+        : `whole response, rev ${look.revision}`;
+  }
+
   #show() {
     const look = this.#look;
-    const fits = look?.id === this.#lens.id && look.lane === this.#api.selected;
-    if (!fits) {
-      this.#say(this.#api.connected ? 'Computing the whole response …' : 'Not connected.');
+    this.#tell();
+    if (!this.#shown) {
+      this.#say(this.#api.connected ? this.#waiting() : 'Not connected.');
       return;
     }
     const {lane, seen, gains, hold} = look;
@@ -206,6 +227,12 @@ class Lenses {
       seen, lane, color, gains, hold, joint: this.#joint, horizon: seen.horizon,
     });
     this.#say(nothing ?? '', seen.frozen && `The response ends early. ${seen.frozen.cause}`);
+  }
+
+  #waiting() {
+    if (!isWatching()) return 'Computing the whole response …';
+    return `The owner has not looked at ${this.#api.selected} through this lens yet. `
+      + 'As soon as that happens, it is here as well.';
   }
 
   /**

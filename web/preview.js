@@ -1,7 +1,11 @@
 // @ts-check
-/** Asks for whole responses: one request under way, the newest value next, and only if seen. */
+/**
+ * Asks for whole responses: one request under way, the newest value next, and only if seen. A page
+ * that watches gets the owner's last one, whenever there is another.
+ */
 
 import {decodedResponse} from './preview_message.js';
+import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('./merge_patch.js').Document} Document */
@@ -46,6 +50,7 @@ export class Preview extends EventTarget {
   /** @type {Other[]} */ #others = [];
   /** @type {Map<number, Document>} */ #documents = new Map();
   #retried = false;
+  /** @type {number|undefined} which of the owner's responses was fetched */ #heard;
   /** @type {number|null} */ #epoch = null;
   /** @type {ReturnType<typeof setTimeout>|undefined} */ #rest;
 
@@ -56,10 +61,10 @@ export class Preview extends EventTarget {
     api.addEventListener('hello', () => { this.#note(); this.#want('exact'); });
     api.addEventListener('patch', () => {
       this.#note();
-      this.#want(api.moving ? 'quick' : 'exact');
+      if (!isWatching()) this.#want(api.moving ? 'quick' : 'exact');
     });
     api.addEventListener('connection', () => this.#emit('busy'));
-    api.addEventListener('state', () => this.#restarted());
+    api.addEventListener('state', () => { this.#restarted(); this.#hear(); });
     api.addEventListener('moving', () => { if (!api.moving && !this.current) this.#want('exact'); });
     if (api.connected) this.#note();
   }
@@ -124,6 +129,11 @@ export class Preview extends EventTarget {
     this.#documents.delete(/** @type {number} */ (this.#documents.keys().next().value));
   }
 
+  /** The owner has another response than the one here. */
+  #hear() {
+    if (isWatching() && this.#api.session?.results.response !== this.#heard) this.#want('exact');
+  }
+
   /** A reset takes the paths out of the scene. */
   #restarted() {
     const epoch = this.#api.session?.epoch ?? null;
@@ -161,6 +171,7 @@ export class Preview extends EventTarget {
   /** @param {Precision} precision */
   async #runLive(precision) {
     this.#wanted = null;
+    this.#heard = this.#api.session?.results.response;
     try {
       const response = await this.#run(precision, {quick: precision === 'quick', show: this.scene});
       if (response) this.#take(response);

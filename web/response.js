@@ -19,6 +19,7 @@ import {ResponseMetrics} from './response_metrics.js';
 import {ResponseRemarks} from './response_remarks.js';
 import {responseTable} from './response_table.js';
 import {RESPONSE_VIEWS} from './response_views.js';
+import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('./y_range.js').Range} Range */
@@ -151,7 +152,7 @@ class ResponseScreen {
   }
 
   #completeIfSeen() {
-    if (!this.#seen) return;
+    if (!this.#seen || isWatching()) return;
     this.#baselines.complete();
     this.#before.complete();
   }
@@ -274,7 +275,7 @@ class ResponseScreen {
       window: content.window,
       zoomed: this.#zoomed,
       curves: ({ranges}) => responsePanels(content, ranges),
-      message: drawable || this.#preview.failure ? '' : 'Computing the response …',
+      message: drawable || this.#preview.failure ? '' : waiting(),
       marks: [],
       stops: stopsOf(content),
       colors: this.#colors(),
@@ -332,6 +333,11 @@ function stopsOf({current, shows}) {
   return [...current?.lanes ?? []].flatMap(([lane, {frozen}]) => (
     frozen && shows(lane) ? [{lane, time: frozen.time, text: frozen.cause}] : []
   ));
+}
+
+function waiting() {
+  if (!isWatching()) return 'Computing the response …';
+  return 'No response yet: as soon as the owner opens Response, it is here as well.';
 }
 
 /** @returns {number[]} */

@@ -2,6 +2,7 @@
 /** Around the response: its tabs, two switches, which revision it belongs to, quick or exact. */
 
 import {element} from './element.js';
+import {isWatching, ownersLast} from './watch_only.js';
 
 /** @typedef {import('./preview.js').Preview} Preview */
 /**
@@ -56,7 +57,7 @@ export class ResponseHead {
   show() {
     const {latest, failure, busy} = this.#preview;
     this.#wait(busy);
-    const text = latest ? wording(latest, this.#revision()) : 'not computed yet';
+    const text = latest ? wording(latest, this.#revision()) : nothingYet();
     // Nobody wants every step of a drag read out.
     this.status.setAttribute('aria-busy', String(latest?.quick ?? false));
     if (this.status.textContent !== text) this.status.textContent = text;
@@ -87,9 +88,14 @@ export class ResponseHead {
       type: 'button', class: 'button small', on: {click: () => this.#preview.again()},
     }, 'Try again');
     this.#failure.replaceChildren(
-      element('span', {}, `The response could not be computed: ${failure}`), again,
+      element('span', {}, `${isWatching() ? 'The owner’s response could not be fetched'
+        : 'The response could not be computed'}: ${failure}`), again,
     );
   }
+}
+
+function nothingYet() {
+  return isWatching() ? 'the owner has not opened the response yet' : 'not computed yet';
 }
 
 /**
@@ -97,6 +103,7 @@ export class ResponseHead {
  * @param {number} revision the live one
  */
 function wording({revision: of, quick}, revision) {
+  if (isWatching()) return ownersLast('response', of, revision);
   const which = of < revision ? `rev ${of} of ${revision}` : `rev ${of}`;
   return `${which} · ${quick ? 'quick run' : 'exact run'}`;
 }

@@ -2,11 +2,13 @@
 /** The 3D scene and what is laid over it. */
 
 import {element, freshId} from './element.js';
+import {icon} from './icons.js';
+import {bare, goHome, holdShift} from './scene_frame.js';
 
 const ADDRESS = {light: '/scene/', dark: '/scene/?darkMode'};
 const MOST = 50;
-/** Narrower than this Viser covers half of the scene with its panel. */
-const LEAST_WIDTH = 600;
+const PUSH = 'Drag the arm to push it, with the mouse or with a finger. Without this switch: '
+  + 'hold Shift and drag the arm.';
 
 /**
  * @param {HTMLElement} place
@@ -16,8 +18,11 @@ const LEAST_WIDTH = 600;
 export function mount(place, api, pressed) {
   const frame = element('iframe', {title: '3D scene', class: 'scene-frame'});
   const veil = element('p', {class: 'scene-veil', role: 'status'}, 'Loading the scene…');
+  const push = element('input', {type: 'checkbox', role: 'switch', class: 'switch'});
   frame.addEventListener('load', () => {
     if (!frame.src) return;
+    bare(frame);
+    holdShift(frame, () => push.checked);
     veil.hidden = true;
     // Arrows move the camera there.
     frame.contentWindow?.addEventListener('keydown', (event) => {
@@ -29,26 +34,26 @@ export function mount(place, api, pressed) {
     const address = ADDRESS[document.documentElement.dataset.theme === 'dark' ? 'dark' : 'light'];
     if (place.clientWidth && frame.getAttribute('src') !== address) frame.src = address;
   };
-  new ResizeObserver(() => { load(); fit(frame, place); }).observe(place);
+  new ResizeObserver(load).observe(place);
   new MutationObserver(load).observe(document.documentElement, {attributeFilter: ['data-theme']});
-  place.append(frame, veil, bar(api));
+  const home = () => { if (frame.src) goHome(frame); };
+  api.addEventListener('home', home);
+  place.append(frame, veil, homeButton(home), bar(api, push));
+}
+
+/** @param {() => void} home */
+function homeButton(home) {
+  return element('button', {
+    type: 'button', class: 'button icon-only scene-home', 'aria-label': 'Home view',
+    title: 'Home view: the camera where it began (V)', on: {click: home},
+  }, icon('home'));
 }
 
 /**
- * Give the scene the width that it needs, and shrink the picture to the width that there is.
- *
- * @param {HTMLElement} frame
- * @param {HTMLElement} place
+ * @param {import('./api.js').Api} api
+ * @param {HTMLInputElement} push
  */
-function fit(frame, place) {
-  const scale = Math.min(1, place.clientWidth / LEAST_WIDTH) || 1;
-  Object.assign(frame.style, {
-    width: `${100 / scale}%`, height: `${100 / scale}%`, transform: `scale(${scale})`,
-  });
-}
-
-/** @param {import('./api.js').Api} api */
-function bar(api) {
+function bar(api, push) {
   const id = freshId('exaggeration');
   const value = element('output', {for: id});
   const slider = element('input', {
@@ -79,7 +84,8 @@ function bar(api) {
   api.addEventListener('state', show);
   const label = element('label', {for: id, class: 'visually-hidden'}, 'Exaggeration of deviations');
   const lanes = element('label', {class: 'scene-ghosts'}, ghosts, 'ghosts');
-  return element('div', {class: 'scene-bar'}, label, slider, value, lanes);
+  const pushes = element('label', {class: 'scene-ghosts', title: PUSH}, push, 'push');
+  return element('div', {class: 'scene-bar'}, label, slider, value, lanes, pushes);
 }
 
 /**

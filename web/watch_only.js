@@ -7,8 +7,11 @@ import {element} from './element.js';
 export const WATCH_ONLY = 'You are watching: this address shows the live session and changes nothing. '
   + 'Whoever started Slidetune has the address that does.';
 
-/** Whose keys work: joints, cursors, the list of edits and that of keys. */
-const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', '?']);
+/** Said of what would take runs of its own. */
+export const RUNS_ARE_THE_OWNERS = 'Only the owner’s page can measure this: it takes runs.';
+
+/** Whose keys work: joints, cursors, the camera, the list of edits and that of keys. */
+const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', 'v', '?']);
 /** What would change something. What makes no sense while watching is hidden by watch_only.css. */
 const CONTROLS = [
   ':is(.gains, .sections) :is(input, select, textarea, button:not(.disclosure))',
@@ -33,6 +36,19 @@ export function takeRole(role, again) {
 }
 
 /**
+ * What a watching page shows was computed for the owner's.
+ *
+ * @param {string} what
+ * @param {number} of its revision
+ * @param {number} now the experiment's
+ * @returns {string}
+ */
+export function ownersLast(what, of, now) {
+  const text = `the owner’s last ${what}, rev ${of}`;
+  return of < now ? `${text}; out of date, the experiment is at rev ${now}` : text;
+}
+
+/**
  * @param {string} key
  * @returns {boolean} whether it does something that is allowed
  */
@@ -48,8 +64,6 @@ export function mountWatchOnly(api, parts) {
     document.body.classList.add('is-watching');
     const badge = element('span', {class: 'watching', role: 'status', title: WATCH_ONLY}, 'Watching');
     document.querySelector('.header .status')?.before(badge);
-    // The other views show whole runs, which are the owner's to ask for.
-    /** @type {HTMLElement|null} */ (document.querySelector('[data-view="live"]'))?.click();
     // On a narrow screen one part is seen at a time: not the one that can't be used.
     /** @type {HTMLElement|null} */ (document.querySelector('.tab[data-tab="plots"]'))?.click();
     for (const part of parts) keepDisabled(part);

@@ -58,9 +58,9 @@ def lens_router(studio: Studio) -> APIRouter:
         run with exact ones.
         """
         revision = studio.document.revision
-        experiment = only_known_lane(
-            studio.experiment_of(wanted.experiment, wanted.patch), wanted.lane
-        )
+        whole = studio.experiment_of(wanted.experiment, wanted.patch)
+        live = whole == studio.document.experiment
+        experiment = only_known_lane(whole, wanted.lane)
         refuse_if_costly(experiment)
         turn = f"lens {request.client.host if request.client else ''}"
         arguments = experiment, wanted.lane, wanted.lenses
@@ -68,6 +68,8 @@ def lens_router(studio: Studio) -> APIRouter:
         seen = await until_gone(request, work)
         if seen is None:
             return Response(status_code=204)
+        if live:
+            studio.results.keep_looks(revision, whole, wanted.lane, seen)
         # Strict: what is no number has become null on the way, and anything else would raise.
         return JSONResponse({"revision": revision, "lane": wanted.lane, **seen})
 

@@ -55,7 +55,6 @@ def test_a_viewer_sees_it_live_and_can_move_nothing(
     for name in CHANGES:
         expect(page.locator("#header").get_by_role("button", name=name, exact=True)).to_be_hidden()
     expect(page.locator(".lane-add")).to_be_hidden()
-    expect(page.get_by_role("tab", name="Response")).to_be_hidden()
     expect(page.locator(".preset-button")).to_be_disabled()
     inspector = Inspector(page)
     inspector.start()
@@ -112,6 +111,51 @@ def test_a_viewer_follows_the_owner_and_looks_at_another_lane(
     hand.close()
     expect(page.locator(".lane[data-lane='Fifth']")).to_be_visible()
     expect(nu).to_be_disabled()
+    assert asked == []
+
+
+def test_a_viewer_sees_the_owners_last_response_and_looks(
+    page: Page, start_dashboard: StartDashboard
+) -> None:
+    dashboard = start_dashboard("--token")
+    asked = open_as_viewer(page, dashboard)
+    hand = owner(dashboard)
+    hand.timeout = httpx.Timeout(120.0)
+    short = {"simulation": {"horizon": 1.0}}
+    hand.patch("/api/experiment", json=short).raise_for_status()
+
+    page.get_by_role("tab", name="Response").click()
+    response = page.locator(".response")
+    expect(response).to_contain_text("No response yet")
+    hand.post("/api/preview", json={}).raise_for_status()
+    expect(response.locator(".scatterlayer path.js-line").first).to_be_visible()
+    status = response.locator(".response-status")
+    expect(status).to_have_text("the owner’s last response, rev 2")
+    expect(response.locator(".response-pin")).to_be_hidden()
+    expect(response.locator(".response-switches")).to_be_hidden()
+
+    page.get_by_role("tab", name="Lenses").click()
+    lenses = page.locator(".lenses")
+    expect(lenses).to_contain_text("The owner has not looked at RBFNN-NFTSM through this lens yet")
+    look = {"lane": "RBFNN-NFTSM", "lenses": ["sliding", "chattering"]}
+    hand.post("/api/lens", json=look).raise_for_status()
+    seen = lenses.locator(".lens-status")
+    expect(seen).to_have_text("the owner’s last look, rev 2")
+    expect(lenses.locator(".js-line").first).to_be_visible()
+
+    hand.patch("/api/experiment", json={"lanes": {"RBFNN-NFTSM": {"nu": 3}}}).raise_for_status()
+    expect(seen).to_have_text(
+        "the owner’s last look, rev 2; out of date, the experiment is at rev 3"
+    )
+    lenses.get_by_role("tab", name="Chattering").click()
+    expect(lenses).to_contain_text("total variation")
+    expect(lenses).to_contain_text("Only the owner’s page can measure this")
+    expect(lenses.get_by_role("button", name="Compare the three")).to_be_hidden()
+    hand.post("/api/lens", json=look).raise_for_status()
+    expect(seen).to_have_text("the owner’s last look, rev 3")
+    page.get_by_role("tab", name="Response").click()
+    expect(status).to_contain_text("rev 2; out of date, the experiment is at rev 3")
+    hand.close()
     assert asked == []
 
 

@@ -52,7 +52,7 @@ def test_closing_leaves_no_thread() -> None:
     scene = Scene()
     with ViserClient(scene.port) as browser:
         browser.drag("start", "/pull")
-        until(lambda: scene.push() is not None)
+        until(lambda: scene.pull() is not None)
         scene.close()
     until(lambda: set(threading.enumerate()) <= before)
 
@@ -61,10 +61,6 @@ def test_the_scene_cannot_be_published(scene: Scene, browser: ViserClient) -> No
     assert not browser.others["ThemeConfigurationMessage"]["show_share_button"]
     browser.send("ShareUrlRequest")
     browser.drag("start", "/pull")
-    until(lambda: scene.push() is not None)  # so that Viser has heard the request too
+    until(lambda: scene.pull() is not None)  # so that Viser has heard the request too
     assert scene._viewer.request_share_url() is None
     assert scene._viewer._share_tunnel is None
-
-
-def test_the_panel_is_minimised(browser: ViserClient) -> None:
-    assert browser.others["GuiSetPanelCollapsedMessage"]["collapsed"]

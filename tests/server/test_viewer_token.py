@@ -43,6 +43,8 @@ EVERYTHING_THAT_READS = [
     "/api/lessons",
     "/scene/",
 ]
+NOTHING_YET = ["/api/results/response", "/api/results/lens?lane=NFTSM&lens=sliding"]
+"""What the owner has to ask for first."""
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": (1.0, 0.0, 0.0, 0.0),
@@ -133,10 +135,16 @@ def test_a_viewer_reads_everything(viewer: httpx.Client, path: str) -> None:
     assert viewer.get(path).status_code == 200
 
 
+@pytest.mark.parametrize("path", NOTHING_YET)
+def test_a_viewer_is_told_that_there_is_no_result_yet(viewer: httpx.Client, path: str) -> None:
+    assert viewer.get(path).status_code == 204
+
+
 def test_the_list_of_what_reads_is_complete(shared: Served) -> None:
     paths = shared.http.get("/openapi.json").json()["paths"]
     reading = {path for path, methods in paths.items() if "get" in methods}
-    missing = reading - {path.partition("?")[0] for path in EVERYTHING_THAT_READS}
+    tried = [*EVERYTHING_THAT_READS, *NOTHING_YET]
+    missing = reading - {path.partition("?")[0] for path in tried}
     assert missing == {"/api/presets/{name}", "/api/lessons/{name}"}
 
 
@@ -243,7 +251,7 @@ def test_only_the_owner_pulls_the_arm_through_the_scene(shared: Served, role: Ro
         while there not in [tuple(c.camera.position) for c in scene._viewer.get_clients().values()]:
             assert time.monotonic() < end, "Viser never heard where the camera is"
             browser.recv(timeout=20.0)
-        assert (scene.push() is not None) is (role == "owner")
+        assert (scene.pull() is not None) is (role == "owner")
 
 
 @pytest.mark.parametrize(

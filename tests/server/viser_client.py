@@ -63,6 +63,7 @@ class ViserClient:
         nodes: properties of every node by name.
         poses: position and orientation wxyz of every node by name.
         visible: whether each node is shown.
+        bindings: what each node may be dragged with.
         others: last message of each other type.
     """
 
@@ -71,6 +72,7 @@ class ViserClient:
         self.nodes: dict[str, Message] = {}
         self.poses: dict[str, Message] = {}
         self.visible: dict[str, bool] = {}
+        self.bindings: dict[str, tuple[Message, ...]] = {}
         self.others: dict[str, Message] = {}
         self._socket = connect(
             f"ws://127.0.0.1:{port}{path}",
@@ -121,6 +123,21 @@ class ViserClient:
         fields = place if phase == "update" else {}
         self.send(f"TransformControls{kinds[phase]}Message", name=name, **fields)
 
+    def drag_node(self, phase: str, name: str, start: Any, end: Any, modifier: Any) -> None:
+        """Say that the pointer drags a node from where it has taken it to where it is now."""
+        self.send(
+            "SceneNodeDragMessage",
+            phase=phase,
+            name=name,
+            instance_index=None,
+            start_position=tuple(map(float, start)),
+            start_screen_pos=(0.5, 0.5),
+            end_position=tuple(map(float, end)),
+            end_screen_pos=(0.5, 0.5),
+            button="left",
+            modifier=modifier,
+        )
+
     def _read(self) -> None:
         with suppress(ConnectionClosed):
             while True:
@@ -137,6 +154,8 @@ class ViserClient:
             self.nodes[name].update(message["updates"])
         elif kind == "SetSceneNodeVisibilityMessage":
             self.visible[name] = message["visible"]
+        elif kind == "SetSceneNodeDragBindingsMessage":
+            self.bindings[name] = message["bindings"]
         elif kind in ("SetPositionMessage", "SetOrientationMessage"):
             part = "position" if kind == "SetPositionMessage" else "wxyz"
             self._pose(name)[part] = np.array(message[part])
