@@ -27,7 +27,7 @@ const FAINTER = 0.25;
 const FAINTEST = 0.4;
 const DASHES = '6px,4px';
 /** Solid as the present, but a broad shadow behind it. */
-const BEFORE = {width: 4, opacity: 0.3, quiet: true};
+const BEFORE = {width: 4, opacity: 0.4, quiet: true};
 /** @type {WeakMap<Float32Array, Float32Array>} columns in the units that are shown */
 const scaled = new WeakMap();
 
