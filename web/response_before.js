@@ -3,6 +3,7 @@
 
 import {leaves, same} from './merge_patch.js';
 import {recall, remember} from './remembered.js';
+import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./merge_patch.js').Document} Document */
 /** @typedef {import('./preview_message.js').Response} Response */
@@ -66,7 +67,8 @@ export class ResponseBefore extends EventTarget {
   /** Compute the response where it isn't known; nobody pays for what isn't seen. */
   async complete() {
     const owed = this.#owed;
-    if (!owed || this.#computing) return;
+    // A page that watches gets the owner's last response, whichever it is: not the one before.
+    if (!owed || this.#computing || isWatching()) return;
     this.#computing = true;
     try {
       const response = await this.#preview.respond(owed);

@@ -155,6 +155,14 @@ def test_a_viewer_sees_the_owners_last_response_and_looks(
     expect(seen).to_have_text("the owner’s last look, rev 3")
     page.get_by_role("tab", name="Response").click()
     expect(status).to_contain_text("rev 2; out of date, the experiment is at rev 3")
+    # Behind it stands what was before the last change where that is known, and nothing else.
+    faint = response.locator(".trace[class*=tracebefore] path.js-line")
+    for revision, gain, known in ((4, "nu", 0), (5, "c", 3)):
+        change = {"lanes": {"RBFNN-NFTSM": {gain: 5}}}
+        hand.patch("/api/experiment", json=change).raise_for_status()
+        hand.post("/api/preview", json={}).raise_for_status()
+        expect(status).to_have_text(f"the owner’s last response, rev {revision}")
+        expect(faint).to_have_count(known)
     hand.close()
     assert asked == []
 
