@@ -45,7 +45,8 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
     """Return the change that makes a sampled experiment work, where some lane of it diverges.
 
     It is offered only where every lane's loop holds with it and the motors are strong enough for
-    the motion. ``None`` elsewhere, where nothing diverges, and where the arm is that one already.
+    the motion. ``None`` elsewhere, where nothing diverges, where the arm is that one already, and
+    where a law fails.
 
     Args:
         packed: the experiment as numbers.
@@ -57,7 +58,14 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
 
 @lru_cache(maxsize=8)
 def _offer(text: str) -> SampledArm | None:
-    experiment = Experiment.model_validate_json(text)
+    try:
+        return _found(Experiment.model_validate_json(text))
+    except Exception:
+        # A law that fails can't be judged, and holds with no arm; the other lanes have their notes.
+        return None
+
+
+def _found(experiment: Experiment) -> SampledArm | None:
     try:
         source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")
     except SlidetuneError:

@@ -39,6 +39,7 @@ BODY_ROUTES = [
     ("PATCH", "/api/session"),
     ("POST", "/api/session/play"),
     ("POST", "/api/session/step"),
+    ("POST", "/api/session/reset"),
     ("POST", "/api/session/kick"),
     ("POST", "/api/session/look"),
     ("POST", "/api/session/fork"),
