@@ -32,7 +32,8 @@ class TuningStrip {
   #before;
   #plot = new StripPlot(() => this.#pace.request());
   #title = element('p', {class: 'strip-title'});
-  #figures = element('dl', {class: 'strip-figures'});
+  // As high before the first figures as with them: the controls below stay where they are.
+  #figures = element('dl', {class: 'strip-figures'}, ...[1, 2, 3].map(placeholder));
   #message = element('p', {class: 'strip-message'});
   #ranges = new YRanges();
   #pace = new RedrawPace(() => this.#draw());
@@ -148,9 +149,16 @@ class TuningStrip {
   #say(text, drawn) {
     this.#message.textContent = text;
     this.#message.hidden = !text;
-    this.#figures.hidden = Boolean(text);
+    this.#figures.style.visibility = text ? 'hidden' : '';
     this.element.classList.toggle('is-empty', !drawn);
   }
+}
+
+function placeholder() {
+  return element(
+    'div', {}, element('dt', {}, '\u00a0'), element('dd', {}, '\u00a0'),
+    element('dd', {class: 'response-change'}),
+  );
 }
 
 /**

@@ -128,8 +128,11 @@ def test_what_a_dragged_slider_does_is_in_sight_above_it(phone: Page, dashboard:
     phone.on("request", lambda r: asked.append(r.url) if r.url.endswith("/preview") else None)
     strip, lines = phone.locator(".strip"), phone.locator(".strip-line")
     mean, change = strip.locator("dd").first, strip.locator(".response-change").first
+    empty = strip.bounding_box()
     # The first response waits until the server's processes for such runs have started.
     expect(lines).to_have_count(3, timeout=60_000)
+    # Nothing below it has moved away under the finger.
+    assert strip.bounding_box() == empty
     before = mean.inner_text()
     drawn = lines.first.get_attribute("d")
     with swiped(phone, along(phone, 0.7), along(phone, 0.3)):
@@ -188,12 +191,10 @@ def test_a_lesson_leaves_three_joints_and_their_time_axis_in_sight(phone: Page) 
     expect(stage.locator(".ylines-above")).to_have_count(3)
     axis = stage.locator(".xtitle").first
     expect(axis).to_have_text("t [s]")
-    box, title, lesson = (
-        part.bounding_box() for part in (stage, axis, phone.locator(".lesson").first)
-    )
-    assert box is not None
-    assert title is not None
-    assert lesson is not None
+    # A plot that is drawn anew has no axis for a moment.
+    parts = (stage, axis, phone.locator(".lesson").first)
+    until(phone, lambda: all(part.bounding_box() for part in parts), "all three are drawn")
+    box, title, lesson = (part.bounding_box() or {} for part in parts)
     assert title["y"] + title["height"] <= box["y"] + box["height"] + 1
     assert box["y"] + box["height"] <= lesson["y"]
     assert stage.evaluate("one => one.scrollHeight <= one.clientHeight")
