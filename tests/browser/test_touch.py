@@ -191,10 +191,16 @@ def test_a_lesson_leaves_three_joints_and_their_time_axis_in_sight(phone: Page) 
     expect(stage.locator(".ylines-above")).to_have_count(3)
     axis = stage.locator(".xtitle").first
     expect(axis).to_have_text("t [s]")
-    # A plot that is drawn anew has no axis for a moment.
     parts = (stage, axis, phone.locator(".lesson").first)
-    until(phone, lambda: all(part.bounding_box() for part in parts), "all three are drawn")
-    box, title, lesson = (part.bounding_box() or {} for part in parts)
+    # A plot that is drawn anew has no axis for a moment.
+    places: list[Any] = []
+
+    def drawn() -> bool:
+        places[:] = [part.bounding_box() for part in parts]
+        return all(places)
+
+    until(phone, drawn, "not all of it is drawn")
+    box, title, lesson = places
     assert title["y"] + title["height"] <= box["y"] + box["height"] + 1
     assert box["y"] + box["height"] <= lesson["y"]
     assert stage.evaluate("one => one.scrollHeight <= one.clientHeight")

@@ -157,7 +157,7 @@ def test_a_viewer_sees_the_owners_last_response_and_looks(
     expect(status).to_contain_text("rev 2; out of date, the experiment is at rev 3")
     # Behind it stands what was before the last change where that is known, and nothing else.
     faint = response.locator(".trace[class*=tracebefore] path.js-line")
-    for revision, gain, known in ((4, "nu", 0), (5, "c", 3)):
+    for revision, gain, known in ((4, "c", 0), (5, "mu", 3)):
         change = {"lanes": {"RBFNN-NFTSM": {gain: 5}}}
         hand.patch("/api/experiment", json=change).raise_for_status()
         hand.post("/api/preview", json={}).raise_for_status()
