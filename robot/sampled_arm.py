@@ -1,4 +1,4 @@
-"""An arm and gains with which a sampled experiment works, where those that it has diverge at once.
+"""An arm and gains with which a sampled experiment works, where its own are far from stable.
 
 The published gains hold in continuous time alone: sampled on the bare links they diverge within a
 few periods. What works is the arm as it would be built, of the preset ``realistic``, with that
@@ -16,7 +16,7 @@ import numpy as np
 
 from robot.errors import SlidetuneError
 from robot.experiment import Experiment
-from robot.margin import loop_radius
+from robot.margin import Margin, loop_radius
 from robot.merge_patch import difference
 from robot.packed import Packed, pack
 from robot.presets import SHIPPED_FOLDER, read_preset
@@ -31,7 +31,7 @@ class SampledArm:
     """A change that makes a sampled experiment work.
 
     Attributes:
-        lanes: those that diverge as things are.
+        lanes: those that are unstable as things are, and end in no limit cycle that is known.
         message: what is wrong and what the change sets.
         patch: the merge patch, whole: one edit.
     """
@@ -42,11 +42,11 @@ class SampledArm:
 
 
 def sampled_arm(packed: Packed) -> SampledArm | None:
-    """Return the change that makes a sampled experiment work, where some lane of it diverges.
+    """Return the change that makes a sampled experiment work, where some lane of it can't.
 
     It is offered only where every lane's loop holds with it and the motors are strong enough for
-    the motion. ``None`` elsewhere, where nothing diverges, where the arm is that one already, and
-    where a law fails.
+    the motion. ``None`` elsewhere, where no lane is that unstable, where the arm is that one
+    already, and where a law fails.
 
     Args:
         packed: the experiment as numbers.
@@ -58,14 +58,7 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
 
 @lru_cache(maxsize=8)
 def _offer(text: str) -> SampledArm | None:
-    try:
-        return _found(Experiment.model_validate_json(text))
-    except Exception:
-        # A law that fails can't be judged, and holds with no arm; the other lanes have their notes.
-        return None
-
-
-def _found(experiment: Experiment) -> SampledArm | None:
+    experiment = Experiment.model_validate_json(text)
     try:
         source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")
     except SlidetuneError:
@@ -75,7 +68,7 @@ def _found(experiment: Experiment) -> SampledArm | None:
     if robot == experiment.robot:
         return None
     packed = pack(experiment)
-    wild = tuple(name for name in experiment.lanes if _diverges(packed, name))
+    wild = tuple(name for name in experiment.lanes if _is_wild(packed, name))
     if not wild:
         return None
     gains = {name: _gains(experiment, name, source) for name in wild}
@@ -97,15 +90,25 @@ def _found(experiment: Experiment) -> SampledArm | None:
     return None
 
 
-def _diverges(packed: Packed, name: str) -> bool:
-    margin = loop_radius(packed, name)
-    return not margin.holds and not margin.bounded
+def _judged(packed: Packed, name: str) -> Margin | None:
+    """Return how a lane's loop stands; ``None`` where its law fails, which that lane tells."""
+    try:
+        return loop_radius(packed, name)
+    except Exception:
+        return None
+
+
+def _is_wild(packed: Packed, name: str) -> bool:
+    margin = _judged(packed, name)
+    return margin is not None and not margin.holds and not margin.bounded
 
 
 def _works(packed: Packed) -> bool:
     limit = packed.experiment.robot.torque_limit
-    enough = limit is None or bool(np.all(required_torque(packed) <= limit))
-    return enough and all(loop_radius(packed, name).holds for name in packed.experiment.lanes)
+    if limit is not None and not bool(np.all(required_torque(packed) <= limit)):
+        return False
+    margins = [_judged(packed, name) for name in packed.experiment.lanes]
+    return all(margin is not None and margin.holds for margin in margins)
 
 
 def _simulations(experiment: Experiment, source: Experiment) -> Iterator[dict[str, Any]]:
@@ -134,13 +137,13 @@ def _gains(experiment: Experiment, name: str, source: Experiment) -> dict[str, A
 def _message(experiment: Experiment, wild: tuple[str, ...], simulation: dict[str, Any]) -> str:
     every = len(wild) == len(experiment.lanes)
     which = "every lane" if every else ", ".join(wild)
-    verb = "diverges" if every or len(wild) == 1 else "diverge"
+    verb = "is" if every or len(wild) == 1 else "are"
     at = ""
     if simulation:
         rate, delay = simulation["control_rate"], 1e3 * simulation["input_delay"]
         at = f", at {rate:g} Hz with a delay of {delay:g} ms"
     return (
-        f"Sampled at {experiment.simulation.control_rate:g} Hz, {which} {verb} on this arm. The "
-        f"arm of the preset {PRESET}, which has lighter links, rotor inertia, friction and torque "
-        f"limits, works with that preset's gains{at}."
+        f"Sampled at {experiment.simulation.control_rate:g} Hz, {which} {verb} unstable on this "
+        f"arm. The arm of the preset {PRESET}, with its own links, rotor inertia, friction and "
+        f"torque limits, works with that preset's gains{at}."
     )
