@@ -1,7 +1,8 @@
 """What the owner last asked for of the live experiment, kept for those who watch.
 
-One response of all lanes, and one look at each lane through each lens: computed once, encoded once,
-and replaced by the next. The event loop alone touches it.
+One response of all lanes, and one look at each lane through each lens: computed once, replaced by
+the next, and written as JSON when the first of those who watch asks for it. The event loop alone
+touches it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ class LastResults:
     def __init__(self) -> None:
         """Start without any."""
         self._response: tuple[int, bytes] | None = None
-        self._looks: dict[tuple[str, str], tuple[int, bytes]] = {}
+        self._looks: dict[tuple[str, str], tuple[int, dict[str, Any] | bytes]] = {}
         self._counts = {"response": 0, "lens": 0}
 
     def counts(self) -> dict[str, int]:
@@ -34,8 +35,11 @@ class LastResults:
 
     def look(self, lane: str, lens: str) -> bytes | None:
         """Return the last look at a lane through a lens as JSON, or ``None``."""
-        kept = self._looks.get((lane, lens))
-        return None if kept is None else kept[1]
+        revision, kept = self._looks.get((lane, lens), (0, None))
+        if isinstance(kept, dict):
+            kept = json.dumps(kept, allow_nan=False, ensure_ascii=False).encode()
+            self._looks[lane, lens] = revision, kept
+        return kept
 
     def keep_response(self, revision: int, message: bytes) -> None:
         """Keep a response of the experiment of ``revision``, unless there is a newer one."""
@@ -61,8 +65,7 @@ class LastResults:
             kept = self._looks.get((lane, lens))
             if kept is not None and kept[0] > revision:
                 continue
-            text = json.dumps({**head, lens: seen[lens]}, allow_nan=False, ensure_ascii=False)
-            self._looks[lane, lens] = revision, text.encode()
+            self._looks[lane, lens] = revision, {**head, lens: seen[lens]}
             self._counts["lens"] += 1
 
     def _forget_all_but(self, lanes: Iterable[str]) -> None:

@@ -61,7 +61,7 @@ def preview_router(studio: Studio) -> APIRouter:
         """
         revision = studio.document.revision
         experiment = studio.experiment_of(wanted.experiment, wanted.patch)
-        live = experiment == studio.document.experiment
+        keep = not wanted.quick and experiment == studio.document.experiment
         turn = request.client.host if request.client else ""
         work = studio.previews.respond(experiment, wanted.quick, wanted.client, turn)
         responses = await until_gone(request, work)
@@ -74,7 +74,7 @@ def preview_router(studio: Studio) -> APIRouter:
         hold = experiment.simulation.hold
         head = {"revision": revision, "quick": wanted.quick, "horizon": horizon, "hold": hold}
         message = encode_responses(head, responses)
-        if live and not wanted.quick:
+        if keep:
             studio.results.keep_response(revision, message)
         return Response(message, media_type=BINARY)
 
