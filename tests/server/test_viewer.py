@@ -26,7 +26,11 @@ def browser(scene: Scene) -> Iterator[ViserClient]:
 
 
 def test_the_scene_listens_on_loopback_alone(scene: Scene) -> None:
-    socket.create_connection(("127.0.0.1", scene.port), timeout=5.0).close()
+    with socket.create_connection(("127.0.0.1", scene.port), timeout=20.0) as visitor:
+        visitor.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+        # Until it has hung up: a server that ends while a visitor comes in leaves a socket behind.
+        while visitor.recv(65536):
+            pass
     with pytest.raises(OSError, match=r".+"):
         # Another address of this machine, which a server on all of them would answer at.
         socket.create_connection(("127.0.0.2", scene.port), timeout=5.0)
