@@ -14,6 +14,8 @@ import {isWatching} from './watch_only.js';
 /**
  * @typedef {{experiment: Document, resolve: (response: Response) => void,
  *   reject: (error: Error) => void}} Other
+ * @typedef {{kind: Precision|'other', revision: number, controller: AbortController}} Running
+ *   `revision` is the live experiment's when it began
  */
 
 /** A hand that rests on a slider for so long gets the exact run; ours. */
@@ -46,7 +48,7 @@ export class Preview extends EventTarget {
   #api;
   /** @type {Set<string>} */ #reasons = new Set();
   /** @type {Precision|null} */ #wanted = null;
-  /** @type {{kind: Precision|'other', controller: AbortController}|null} */ #running = null;
+  /** @type {Running|null} */ #running = null;
   /** @type {Other[]} */ #others = [];
   /** @type {Map<number, Document>} */ #documents = new Map();
   #retried = false;
@@ -65,7 +67,7 @@ export class Preview extends EventTarget {
     });
     api.addEventListener('connection', () => this.#emit('busy'));
     api.addEventListener('state', () => { this.#restarted(); this.#hear(); });
-    api.addEventListener('moving', () => { if (!api.moving && !this.current) this.#want('exact'); });
+    api.addEventListener('moving', () => { if (!api.moving && !this.#settled) this.#want('exact'); });
     if (api.connected) this.#note();
   }
 
@@ -82,6 +84,13 @@ export class Preview extends EventTarget {
   get current() {
     return this.latest !== null && !this.latest.quick
       && this.latest.revision === this.#api.revision;
+  }
+
+  /** Whether the exact response of the live experiment is there, or under way. */
+  get #settled() {
+    if (this.current || this.#running?.kind !== 'exact') return this.current;
+    const {revision, controller} = this.#running;
+    return revision === this.#api.revision && !controller.signal.aborted;
   }
 
   /**
@@ -161,7 +170,7 @@ export class Preview extends EventTarget {
    * Give up what is slower than what waits. A quick run goes on: were it given up for the next
    * one, none would ever end during a fast drag.
    *
-   * @param {{kind: Precision|'other', controller: AbortController}} running
+   * @param {Running} running
    */
   #makeWay({kind, controller}) {
     const hurry = kind === 'exact' && this.#wanted === 'quick';
@@ -171,6 +180,9 @@ export class Preview extends EventTarget {
   /** @param {Precision} precision */
   async #runLive(precision) {
     this.#wanted = null;
+    // Nothing is left for a hand that rests to ask for: it may have been let go before its quick
+    // run ended.
+    if (precision === 'exact') clearTimeout(this.#rest);
     this.#heard = this.#api.session?.results.response;
     try {
       const response = await this.#run(precision, {quick: precision === 'quick', show: this.scene});
@@ -207,7 +219,7 @@ export class Preview extends EventTarget {
    */
   async #run(kind, body) {
     const controller = new AbortController();
-    this.#running = {kind, controller};
+    this.#running = {kind, revision: this.#api.revision, controller};
     try {
       const buffer = await this.#api.preview(body, controller.signal);
       return buffer && decodedResponse(buffer);

@@ -16,16 +16,18 @@ from typing import NamedTuple
 
 VARIABLE = "CHROMIUM"
 """Environment variable that names the Chromium to use."""
-FLAGS = (
+_ALONE = (
     "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
     "--no-first-run",
 )
-"""Software rendering, and nothing that talks to anybody else."""
+"""Nothing that talks to anybody else."""
+FLAGS = (*_ALONE, "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""Draws WebGL in software: the 3D scene needs it."""
+FLAT_FLAGS = (*_ALONE, "--disable-gpu", "--disable-software-rasterizer")
+"""Has no WebGL, and so draws all else in two thirds of the time."""
 START_TIME = 60
 """Longest that a Chromium may take to show an empty page in seconds."""
 INSTALL_TIME = 900

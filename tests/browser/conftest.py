@@ -22,10 +22,18 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Request, expect, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    BrowserContext,
+    Page,
+    Playwright,
+    Request,
+    expect,
+    sync_playwright,
+)
 from websockets.sync.client import connect
 
-from tests.browser.chromium import FLAGS, VARIABLE, find
+from tests.browser.chromium import FLAGS, FLAT_FLAGS, VARIABLE, find
 
 ROOT = Path(__file__).resolve().parents[2]
 START_TIME = 240
@@ -171,13 +179,37 @@ def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Da
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    """A headless Chromium that draws WebGL in software."""
-    program = os.environ.get(VARIABLE) or find()
+def playwright() -> Iterator[Playwright]:
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        yield playwright
+
+
+@contextmanager
+def launched(playwright: Playwright, flags: tuple[str, ...]) -> Iterator[Browser]:
+    program = os.environ.get(VARIABLE) or find()
+    browser = playwright.chromium.launch(executable_path=program, args=list(flags))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="module")
+def flat_chromium(playwright: Playwright) -> Iterator[Browser]:
+    with launched(playwright, FLAT_FLAGS) as browser:
         yield browser
-        browser.close()
+
+
+@pytest.fixture(scope="module")
+def webgl_chromium(playwright: Playwright) -> Iterator[Browser]:
+    with launched(playwright, FLAGS) as browser:
+        yield browser
+
+
+@pytest.fixture
+def chromium(request: pytest.FixtureRequest) -> Browser:
+    """A headless Chromium: it draws WebGL, in software, for tests marked `scene` alone."""
+    with_scene = request.node.get_closest_marker("scene")
+    browser: Browser = request.getfixturevalue("webgl_chromium" if with_scene else "flat_chromium")
+    return browser
 
 
 class Complaints:
@@ -215,6 +247,16 @@ def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[Brow
     context = chromium.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
     yield context
     context.close()
+
+
+@pytest.fixture(autouse=True)
+def no_scene(request: pytest.FixtureRequest) -> None:
+    """Leave out the 3D scene but for tests marked `scene`: drawn in software it takes a core."""
+    if "context" not in request.fixturenames or request.node.get_closest_marker("scene"):
+        return
+    context: BrowserContext = request.getfixturevalue("context")
+    blank = "<!doctype html><title>no scene</title>"
+    context.route("**/scene/**", lambda r: r.fulfill(content_type="text/html", body=blank))
 
 
 @pytest.fixture

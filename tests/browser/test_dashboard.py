@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
@@ -18,10 +19,7 @@ from robot.presets import load_preset
 from tests.browser.conftest import Complaints, Dashboard, StartDashboard
 
 
-def open_page(page: Page, dashboard: Dashboard, scene: bool = False) -> None:
-    """Open the dashboard; without the 3D scene, drawn in software, where nobody looks at it."""
-    if not scene:
-        page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
+def open_page(page: Page, dashboard: Dashboard) -> None:
     page.goto(dashboard.url)
     expect(page.locator("#header")).to_contain_text("live")
     expect(slider(page, "lanes.RBFNN-NFTSM.c")).to_be_visible()
@@ -63,8 +61,9 @@ def curves(page: Page) -> str:
     return "\n".join(curve.get_attribute("d") or "" for curve in found)
 
 
+@pytest.mark.scene
 def test_the_page_shows_lanes_plots_figures_and_the_arm(page: Page, dashboard: Dashboard) -> None:
-    open_page(page, dashboard, scene=True)
+    open_page(page, dashboard)
     for lane in ("RBFNN-NFTSM", "RBFNN-SMC", "NFTSM"):
         expect(page.locator("#tune")).to_contain_text(lane)
         expect(page.locator("#metrics")).to_contain_text(lane)

@@ -44,7 +44,6 @@ def drawn(page: Page, lane: str) -> list[list[float | None]]:
 
 
 def test_lanes_that_froze_say_when_and_one_alone_is_reset(page: Page, dashboard: Dashboard) -> None:
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     expect(page.locator("#plots path.js-line").nth(8)).to_be_attached()
     simulate(dashboard, mode="sampled")
@@ -84,7 +83,6 @@ def test_lanes_that_froze_say_when_and_one_alone_is_reset(page: Page, dashboard:
 def test_one_click_lets_a_sampled_experiment_work_and_one_undo_takes_it_back(
     page: Page, dashboard: Dashboard
 ) -> None:
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     expect(page.locator(".gains-head h2")).to_be_visible()
     simulate(dashboard, mode="sampled")

@@ -22,6 +22,8 @@ def screen(dashboard: Dashboard, page: Page) -> Page:
     change(dashboard, {"simulation": {"horizon": 1.0}})
     page.goto(dashboard.url)
     expect(page.locator(".knob-tools")).to_be_visible(timeout=SLOW)
+    # The remarks come later, and would move the sliders away under a pointer.
+    expect(page.get_by_role("button", name="Set ν = 30")).to_be_visible()
     return page
 
 

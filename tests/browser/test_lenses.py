@@ -42,8 +42,6 @@ def until(dashboard: Dashboard, lane: str, gain: str, value: Any) -> None:
 
 def open_lens(page: Page, dashboard: Dashboard, title: str, preset: str = "paper") -> None:
     """Open the page on a lens, with runs of one second."""
-    # The lenses are not about the 3D scene, and drawing it in software takes a whole core.
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     dashboard.client.post(f"api/presets/{preset}/load")
     revision = patch(dashboard, SHORT)
     page.goto(dashboard.url)
@@ -335,7 +333,6 @@ def test_pictures_take_the_pages_colours(page: Page, dashboard: Dashboard, theme
 
 def test_lenses_fit_a_narrow_screen(page: Page, dashboard: Dashboard) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     page.locator("#tabs").get_by_role("tab", name="Plots").click()
     page.get_by_role("tab", name="Lenses").click()

@@ -16,8 +16,6 @@ DEADLINE = 30.0
 @pytest.fixture
 def learner(dashboard: Dashboard, page: Page) -> Page:
     """The dashboard's page with the list of lessons open, opened by key."""
-    # The lessons are not about the 3D scene, and drawing it in software takes a whole core.
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     expect(page.locator(".lane")).to_have_count(3)
     page.keyboard.press("l")

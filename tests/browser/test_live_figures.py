@@ -19,7 +19,6 @@ def patch(dashboard: Dashboard, lanes: dict[str, object]) -> None:
 
 
 def test_each_lane_says_since_when_its_live_figures_count(page: Page, dashboard: Dashboard) -> None:
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     for lane in ("RBFNN-NFTSM", "RBFNN-SMC", "NFTSM"):
         expect(row(page, lane).locator("th")).to_contain_text("since reset")

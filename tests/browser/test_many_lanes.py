@@ -8,9 +8,7 @@ import time
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Dashboard
-from tests.browser.test_response import no_scene, open_response
-
-__all__ = ["no_scene"]
+from tests.browser.test_response import open_response
 
 LEAST_PANEL = 110.0
 EXTRA = {f"Extra {number}": {"law": "smc"} for number in range(3)}

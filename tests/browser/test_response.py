@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
 from robot.experiment import Experiment
 from robot.simulate import Run, simulate
@@ -43,15 +43,10 @@ KEEP_SHOWN = """
   }
 """
 """Keeps all that an element shows from now on: what a resting hand sees is soon replaced."""
+REST_MS = 800
+"""A hand that rests on a slider for so long gets the exact run."""
 AGREEMENT = 0.01
 """Greatest relative difference between a figure on the screen, which has three digits, and ours."""
-
-
-@pytest.fixture(autouse=True)
-def no_scene(page: Page) -> None:
-    """Leave the 3D scene out: it isn't looked at here, and is drawn in software."""
-    blank = "<!doctype html><title>no scene</title>"
-    page.route("**/scene/**", lambda route: route.fulfill(content_type="text/html", body=blank))
 
 
 def open_response(page: Page, dashboard: Dashboard) -> None:
@@ -196,6 +191,32 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
         assert figures(page, lane) == pytest.approx(expected_figures(smaller, lane), rel=AGREEMENT)
 
 
+def test_a_hand_that_lets_go_before_its_quick_run_ends_gets_one_exact_run(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_response(page, dashboard)
+    asked: list[bool] = []
+    waiting: list[Route] = []
+
+    def take(route: Route) -> None:
+        asked.append(route.request.post_data_json["quick"])
+        if asked[-1]:
+            waiting.append(route)
+        else:
+            route.continue_()
+
+    page.route("**/api/preview", take)
+    with held(page, "lanes.RBFNN-NFTSM.c"):
+        deadline = time.monotonic() + 30.0
+        while not waiting:
+            assert time.monotonic() < deadline, "no quick run"
+            page.wait_for_timeout(50)
+    waiting[0].continue_()
+    until_exact(page, dashboard)
+    page.wait_for_timeout(REST_MS + 500)
+    assert asked.count(False) == 1
+
+
 def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     page: Page, dashboard: Dashboard
 ) -> None:
@@ -250,7 +271,6 @@ def test_two_pages_keep_each_other_s_baselines(
 ) -> None:
     pages = [page, context.new_page()]
     for each in pages:
-        each.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
         open_response(each, dashboard)
     for each in pages:
         each.get_by_role("button", name="Pin as baseline").click()

@@ -14,15 +14,12 @@ from tests.browser.test_response import (
     LANES,
     MILLI,
     held,
-    no_scene,
     open_response,
     row,
     simulated,
     until_exact,
     until_shown,
 )
-
-__all__ = ["no_scene"]
 
 
 def test_a_response_says_how_good_it_is_and_a_button_makes_it_better(

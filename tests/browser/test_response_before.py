@@ -14,15 +14,12 @@ from tests.browser.test_response import (
     held,
     lines_before,
     lines_shown,
-    no_scene,
     open_response,
     paths,
     type_in,
     until_exact,
     until_shown,
 )
-
-__all__ = ["no_scene"]
 
 GAIN = "lanes.RBFNN-NFTSM.nu"
 LOOK = """lines => lines.map(line => [

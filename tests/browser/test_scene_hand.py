@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 import numpy as np
+import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 
@@ -99,6 +100,7 @@ def until_pushed(page: Page, scene: ViserClient, start: tuple[float, float], shi
     return tail
 
 
+@pytest.mark.scene
 def test_shift_pushes_the_arm_where_it_is_taken_and_v_brings_the_camera_home(
     page: Page, dashboard: Dashboard, complaints: Complaints
 ) -> None:

@@ -9,9 +9,7 @@ from collections.abc import Callable
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
 
 from tests.browser.conftest import Complaints, Dashboard
-from tests.browser.test_response import no_scene, open_response, type_in, until_exact
-
-__all__ = ["no_scene"]
+from tests.browser.test_response import open_response, type_in, until_exact
 
 GAIN = "lanes.RBFNN-NFTSM.nu"
 

@@ -30,7 +30,6 @@ def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[Brow
 
 @pytest.fixture
 def phone(page: Page, dashboard: Dashboard) -> Page:
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(dashboard.url)
     expect(page.locator("#header")).to_contain_text("live")
     slider(page).scroll_into_view_if_needed()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import httpx
+import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Dashboard, StartDashboard
+from tests.browser.conftest import LOGS, Dashboard, StartDashboard, running
 from tests.browser.inspector import Inspector
 
 WATCHED = re.compile(r"To watch only: (http://\S+)")
@@ -27,24 +29,35 @@ def owner(dashboard: Dashboard) -> httpx.Client:
     return httpx.Client(base_url=address.join("/"), headers=bearer, trust_env=False, timeout=30)
 
 
-def open_as_viewer(page: Page, dashboard: Dashboard, scene: bool = False) -> list[str]:
+@pytest.fixture(scope="module")
+def shared_guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
+    """A dashboard that asks for a token; `guarded` puts it back to its beginning."""
+    with running(("--token",), tmp_path_factory.mktemp("guarded") / "dashboard.txt") as dashboard:
+        yield dashboard
+
+
+@pytest.fixture
+def guarded(shared_guarded: Dashboard, request: pytest.FixtureRequest) -> Dashboard:
+    """A dashboard that asks for a token, with the paper's experiment."""
+    request.node.stash.setdefault(LOGS, []).append(shared_guarded.log)
+    with owner(shared_guarded) as hand:
+        hand.post("/api/presets/paper/load").raise_for_status()
+    return shared_guarded
+
+
+def open_as_viewer(page: Page, dashboard: Dashboard) -> list[str]:
     """Open the viewers' address; return what the page sends from then on that isn't a GET."""
     asked: list[str] = []
     page.on("request", lambda r: asked.append(r.url) if r.method != "GET" else None)
     page.on("websocket", lambda s: s.on("framesent", lambda frame: asked.append(str(frame))))
-    if not scene:
-        page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
     page.goto(viewers_address(dashboard))
     expect(page.locator("#header")).to_contain_text("Watching")
     expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c'] .slider").first).to_be_visible()
     return asked
 
 
-def test_a_viewer_sees_it_live_and_can_move_nothing(
-    page: Page, start_dashboard: StartDashboard
-) -> None:
-    dashboard = start_dashboard("--token")
-    asked = open_as_viewer(page, dashboard)
+def test_a_viewer_sees_it_live_and_can_move_nothing(page: Page, guarded: Dashboard) -> None:
+    asked = open_as_viewer(page, guarded)
     assert "token" not in page.url
     expect(page.locator("#header")).to_contain_text("live")
     expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
@@ -63,12 +76,9 @@ def test_a_viewer_sees_it_live_and_can_move_nothing(
     assert asked == []
 
 
-def test_a_viewers_keys_and_pastes_change_nothing(
-    page: Page, start_dashboard: StartDashboard
-) -> None:
-    dashboard = start_dashboard("--token")
-    asked = open_as_viewer(page, dashboard)
-    with owner(dashboard) as hand:
+def test_a_viewers_keys_and_pastes_change_nothing(page: Page, guarded: Dashboard) -> None:
+    asked = open_as_viewer(page, guarded)
+    with owner(guarded) as hand:
         before = hand.get("/api/session").json()
     for key in ("Space", "ArrowRight", "Backspace", "k", "l", "Control+z", "Control+y"):
         page.keyboard.press(key)
@@ -84,7 +94,7 @@ def test_a_viewers_keys_and_pastes_change_nothing(
         "lanes:\n  A:\n    law: nftsm\n",
     )
     expect(page.locator("dialog[open]")).to_contain_text("You are watching")
-    with owner(dashboard) as hand:
+    with owner(guarded) as hand:
         after = hand.get("/api/session").json()
     assert asked == []
     assert [after[key] for key in ("playing", "epoch", "revision")] == [
@@ -93,13 +103,12 @@ def test_a_viewers_keys_and_pastes_change_nothing(
 
 
 def test_a_viewer_follows_the_owner_and_looks_at_another_lane(
-    page: Page, start_dashboard: StartDashboard
+    page: Page, guarded: Dashboard
 ) -> None:
-    dashboard = start_dashboard("--token")
-    asked = open_as_viewer(page, dashboard)
+    asked = open_as_viewer(page, guarded)
     box = page.locator("[data-path='lanes.RBFNN-NFTSM.c'] .number-box").first
     change = {"lanes": {"RBFNN-NFTSM": {"c": 12.5}}}
-    hand = owner(dashboard)
+    hand = owner(guarded)
     hand.patch("/api/experiment", json=change).raise_for_status()
     expect(box).to_have_value("12.5")
     page.locator(".lane[data-lane='NFTSM'] .lane-pick").click()
@@ -167,22 +176,18 @@ def test_a_viewer_sees_the_owners_last_response_and_looks(
     assert asked == []
 
 
-def test_the_scene_of_a_viewer_is_drawn(page: Page, start_dashboard: StartDashboard) -> None:
-    dashboard = start_dashboard("--token")
+@pytest.mark.scene
+def test_the_scene_of_a_viewer_is_drawn(page: Page, guarded: Dashboard) -> None:
     with page.expect_console_message(lambda message: message.text.startswith("Connected!")):
-        open_as_viewer(page, dashboard, scene=True)
+        open_as_viewer(page, guarded)
     expect(page.frame_locator(".scene-frame").locator("canvas").first).to_be_visible()
 
 
-def test_on_a_phone_a_viewer_begins_with_the_plots(
-    page: Page, start_dashboard: StartDashboard
-) -> None:
-    dashboard = start_dashboard("--token")
+def test_on_a_phone_a_viewer_begins_with_the_plots(page: Page, guarded: Dashboard) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     asked: list[str] = []
     page.on("request", lambda r: asked.append(r.url) if r.method != "GET" else None)
-    page.route("**/scene/**", lambda route: route.fulfill(body="<p>", content_type="text/html"))
-    page.goto(viewers_address(dashboard))
+    page.goto(viewers_address(guarded))
     expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
     expect(page.locator("[data-path='lanes.RBFNN-NFTSM.c']").first).to_be_hidden()
     page.get_by_role("tab", name="Metrics").click()
