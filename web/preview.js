@@ -63,11 +63,11 @@ export class Preview extends EventTarget {
     api.addEventListener('hello', () => { this.#note(); this.#want('exact'); });
     api.addEventListener('patch', () => {
       this.#note();
-      if (!isWatching()) this.#want(api.moving ? 'quick' : 'exact');
+      if (!isWatching()) this.#follow();
     });
     api.addEventListener('connection', () => this.#emit('busy'));
     api.addEventListener('state', () => { this.#restarted(); this.#hear(); });
-    api.addEventListener('moving', () => { if (!api.moving && !this.#settled) this.#want('exact'); });
+    api.addEventListener('moving', () => { if (!api.moving) this.#follow(); });
     if (api.connected) this.#note();
   }
 
@@ -104,9 +104,21 @@ export class Preview extends EventTarget {
     if (holds) this.#reasons.add(reason);
     else this.#reasons.delete(reason);
     if (!this.#reasons.size) this.#wanted = null;
-    else if (!this.current) this.#want(this.#api.moving ? 'quick' : 'exact');
-    else this.#next();
+    else if (!this.#follow()) this.#next();
   }
+
+  /**
+   * Ask for the live experiment's response unless it is there or under way.
+   *
+   * @returns {boolean} whether it has to be asked for
+   */
+  #follow() {
+    if (this.#settled) return false;
+    this.#want(this.#api.moving ? 'quick' : 'exact');
+    return true;
+  }
+
+  #rested() { if (!this.#settled) this.#want('exact'); }
 
   /** Run the live experiment once more, whether or not it has changed. */
   again() { this.#want('exact'); }
@@ -180,9 +192,6 @@ export class Preview extends EventTarget {
   /** @param {Precision} precision */
   async #runLive(precision) {
     this.#wanted = null;
-    // Nothing is left for a hand that rests to ask for: it may have been let go before its quick
-    // run ended.
-    if (precision === 'exact') clearTimeout(this.#rest);
     this.#heard = this.#api.session?.results.response;
     try {
       const response = await this.#run(precision, {quick: precision === 'quick', show: this.scene});
@@ -238,7 +247,8 @@ export class Preview extends EventTarget {
     this.#say('');
     this.#emit('response');
     // Other screens' drags end without a word, and a hand may rest on its slider.
-    if (response.quick) this.#rest = setTimeout(() => this.#want('exact'), REST_MS);
+    clearTimeout(this.#rest);
+    if (response.quick) this.#rest = setTimeout(() => this.#rested(), REST_MS);
   }
 
   /**

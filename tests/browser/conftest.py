@@ -19,21 +19,25 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
 from playwright.sync_api import (
     Browser,
     BrowserContext,
+    ConsoleMessage,
     Page,
     Playwright,
     Request,
+    WebError,
     expect,
     sync_playwright,
 )
 from websockets.sync.client import connect
 
 from tests.browser.chromium import FLAGS, FLAT_FLAGS, VARIABLE, find
+from tests.browser.reused_context import ReusedContext
 
 ROOT = Path(__file__).resolve().parents[2]
 START_TIME = 240
@@ -161,7 +165,7 @@ def shared_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashb
 
 
 @pytest.fixture
-def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Dashboard:
+def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Iterator[Dashboard]:
     """A dashboard as it begins: with the paper's experiment, which plays, and no own presets."""
     request.node.stash.setdefault(LOGS, []).append(shared_dashboard.log)
     client = shared_dashboard.client
@@ -175,7 +179,9 @@ def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Da
     with connect(address, proxy=None, max_size=None) as socket:
         for message in (SELECT, VIEW):
             socket.send(json.dumps(message))
-    return shared_dashboard
+    yield shared_dashboard
+    # The tests between two of a browser needn't share the machine with it.
+    client.post("/api/session/pause")
 
 
 @pytest.fixture(scope="module")
@@ -193,9 +199,15 @@ def launched(playwright: Playwright, flags: tuple[str, ...]) -> Iterator[Browser
 
 
 @pytest.fixture(scope="module")
-def flat_chromium(playwright: Playwright) -> Iterator[Browser]:
+def window() -> dict[str, Any]:
+    """The size of the pages of a module, and whether they are touched."""
+    return {"viewport": {"width": 1440, "height": 900}}
+
+
+@pytest.fixture(scope="module")
+def reused(playwright: Playwright, window: dict[str, Any]) -> Iterator[ReusedContext]:
     with launched(playwright, FLAT_FLAGS) as browser:
-        yield browser
+        yield ReusedContext(browser, window)
 
 
 @pytest.fixture(scope="module")
@@ -204,23 +216,22 @@ def webgl_chromium(playwright: Playwright) -> Iterator[Browser]:
         yield browser
 
 
-@pytest.fixture
-def chromium(request: pytest.FixtureRequest) -> Browser:
-    """A headless Chromium: it draws WebGL, in software, for tests marked `scene` alone."""
-    with_scene = request.node.get_closest_marker("scene")
-    browser: Browser = request.getfixturevalue("webgl_chromium" if with_scene else "flat_chromium")
-    return browser
-
-
 class Complaints:
     """Errors in the console, uncaught errors and failed requests of every page of a context."""
 
     def __init__(self, context: BrowserContext) -> None:
         self._texts: list[str] = []
         self._allowed: list[str] = []
-        context.on("console", lambda m: self._add(m.text) if m.type == "error" else None)
-        context.on("weberror", lambda error: self._add(str(error.error)))
+        self._context = context
+        context.on("console", self._said)
+        context.on("weberror", self._error)
         context.on("requestfailed", self._request_failed)
+
+    def stop(self) -> None:
+        """Listen no longer."""
+        self._context.remove_listener("console", self._said)
+        self._context.remove_listener("weberror", self._error)
+        self._context.remove_listener("requestfailed", self._request_failed)
 
     def allow(self, pattern: str) -> None:
         """Tolerate what this regular expression is found in: the test provokes it."""
@@ -232,37 +243,53 @@ class Complaints:
             text for text in self._texts if not any(re.search(rule, text) for rule in self._allowed)
         ]
 
-    def _add(self, text: str) -> None:
-        self._texts.append(text)
+    def _said(self, message: ConsoleMessage) -> None:
+        if message.type == "error":
+            self._texts.append(message.text)
+
+    def _error(self, error: WebError) -> None:
+        self._texts.append(str(error.error))
 
     def _request_failed(self, request: Request) -> None:
         # Aborted: the page itself gave it up, as it does for a download or when it is left.
         if request.failure != "net::ERR_ABORTED":
-            self._add(f"{request.method} {request.url}: {request.failure}")
+            self._texts.append(f"{request.method} {request.url}: {request.failure}")
 
 
 @pytest.fixture
-def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[BrowserContext]:
-    """A fresh profile; closed before the dashboards that its pages talk to."""
-    context = chromium.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
-    yield context
-    context.close()
+def context(
+    request: pytest.FixtureRequest, window: dict[str, Any], start_dashboard: StartDashboard
+) -> Iterator[BrowserContext]:
+    """An empty profile, left before the dashboards end that its pages talk to.
 
-
-@pytest.fixture(autouse=True)
-def no_scene(request: pytest.FixtureRequest) -> None:
-    """Leave out the 3D scene but for tests marked `scene`: drawn in software it takes a core."""
-    if "context" not in request.fixturenames or request.node.get_closest_marker("scene"):
+    Tests marked `scene` have one that draws WebGL, in software; others do without the 3D scene,
+    which takes a whole core, and use one after another unless they are marked `fresh`.
+    """
+    marks = {mark.name for mark in request.node.iter_markers()}
+    if "scene" in marks:
+        browser: Browser = request.getfixturevalue("webgl_chromium")
+        with browser.new_context(**window) as context:
+            yield context
         return
-    context: BrowserContext = request.getfixturevalue("context")
+    reused: ReusedContext = request.getfixturevalue("reused")
+    if "fresh" in marks:
+        reused.close()
+    context = reused.open()
     blank = "<!doctype html><title>no scene</title>"
     context.route("**/scene/**", lambda r: r.fulfill(content_type="text/html", body=blank))
+    yield context
+    if "fresh" in marks or request.node.stash.get(FAILED, False):
+        reused.close()
+    else:
+        reused.clean()
 
 
 @pytest.fixture
-def complaints(context: BrowserContext) -> Complaints:
+def complaints(context: BrowserContext) -> Iterator[Complaints]:
     """What the pages complain of; `allow` what the test provokes."""
-    return Complaints(context)
+    complaints = Complaints(context)
+    yield complaints
+    complaints.stop()
 
 
 @pytest.fixture
@@ -270,7 +297,7 @@ def page(
     context: BrowserContext, complaints: Complaints, request: pytest.FixtureRequest
 ) -> Iterator[Page]:
     """An empty page: open ``dashboard.url`` in it. A complaint of any page fails the test."""
-    page = context.new_page()
+    page = context.pages[0] if context.pages else context.new_page()
     yield page
     unexpected = complaints.unexpected()
     if unexpected or request.node.stash.get(FAILED, False):

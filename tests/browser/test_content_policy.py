@@ -55,6 +55,7 @@ def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Da
     assert violations(page) == []
 
 
+@pytest.mark.fresh
 def test_the_documentation_pages_keep_to_it_too(page: Page, dashboard: Dashboard) -> None:
     page.add_init_script(LISTEN)
     page.goto(f"{dashboard.url}docs")
@@ -67,6 +68,7 @@ def test_the_documentation_pages_keep_to_it_too(page: Page, dashboard: Dashboard
     assert violations(page) == []
 
 
+@pytest.mark.fresh
 def test_a_violation_would_be_noticed(
     page: Page, dashboard: Dashboard, complaints: Complaints
 ) -> None:

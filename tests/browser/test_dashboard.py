@@ -259,6 +259,7 @@ def test_lanes_are_added_and_removed(page: Page, dashboard: Dashboard) -> None:
     expect(page.locator("#tune")).to_contain_text("PD")
 
 
+@pytest.mark.fresh
 def test_the_page_comes_back_when_the_server_does(
     page: Page, start_dashboard: StartDashboard, complaints: Complaints
 ) -> None:
@@ -276,6 +277,7 @@ def test_the_page_comes_back_when_the_server_does(
     expect(page.locator("#tune")).to_contain_text("Computed torque")
 
 
+@pytest.mark.fresh
 def test_a_frozen_page_comes_back_when_it_is_looked_at_again(
     page: Page, start_dashboard: StartDashboard, complaints: Complaints
 ) -> None:
@@ -298,6 +300,7 @@ def test_a_frozen_page_comes_back_when_it_is_looked_at_again(
     expect(clock).not_to_have_text(clock.inner_text())
 
 
+@pytest.mark.fresh
 def test_a_hidden_page_tries_again_as_soon_as_it_is_seen(
     page: Page, start_dashboard: StartDashboard, complaints: Complaints
 ) -> None:

@@ -6,10 +6,14 @@ import json
 import time
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
 
 from tests.browser.conftest import Complaints, Dashboard
 from tests.browser.test_response import open_response, type_in, until_exact
+
+# What listens to a WebSocket stays with its page.
+pytestmark = pytest.mark.fresh
 
 GAIN = "lanes.RBFNN-NFTSM.nu"
 

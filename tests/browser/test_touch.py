@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, CDPSession, Locator, Page, expect
+from playwright.sync_api import CDPSession, Locator, Page, expect
 
-from tests.browser.conftest import Dashboard, StartDashboard
+from tests.browser.conftest import Dashboard
 
 GAIN = "lanes.RBFNN-NFTSM.c"
 SCROLLED = "() => document.getElementById('tune').scrollTop"
@@ -19,13 +19,9 @@ SCROLLED = "() => document.getElementById('tune').scrollTop"
 Point = tuple[float, float]
 
 
-@pytest.fixture
-def context(chromium: Browser, start_dashboard: StartDashboard) -> Iterator[BrowserContext]:
-    """A phone; closed before the dashboards that its pages talk to."""
-    screen: Any = {"width": 390, "height": 844}
-    context = chromium.new_context(viewport=screen, has_touch=True, is_mobile=True)
-    yield context
-    context.close()
+@pytest.fixture(scope="module")
+def window() -> dict[str, Any]:
+    return {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 
 @pytest.fixture
