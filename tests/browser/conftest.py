@@ -1,9 +1,9 @@
 """A dashboard in its own process, and a page in a real Chromium that tolerates no complaint.
 
 One dashboard for all modules, put back to its beginning for each test; one Chromium for every
-module (Playwright's event loop may not outlive it: other modules run their own); a fresh profile
-for every page. Its list of edits is what a dashboard doesn't forget: a test that wants none starts
-one of its own with `start_dashboard`.
+module (Playwright's event loop may not outlive it: other modules run their own); one page for all
+tests of a module, emptied for each. Its list of edits is what a dashboard doesn't forget: a test
+that wants none starts one of its own with `start_dashboard`.
 """
 
 from __future__ import annotations

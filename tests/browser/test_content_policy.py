@@ -29,10 +29,18 @@ def violations(page: Page) -> list[str]:
 
 
 @pytest.mark.scene
-def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Dashboard) -> None:
+def test_the_scene_keeps_to_the_content_policy(page: Page, dashboard: Dashboard) -> None:
     page.add_init_script(LISTEN)
     with page.expect_console_message(lambda message: message.text.startswith("Connected!")):
         page.goto(dashboard.url)
+    expect(page.frame_locator(".scene-frame").locator("canvas").first).to_be_visible()
+    assert violations(page) == []
+
+
+@pytest.mark.fresh
+def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Dashboard) -> None:
+    page.add_init_script(LISTEN)
+    page.goto(dashboard.url)
     expect(page.locator("#header")).to_contain_text("live")
     expect(page.locator("#plots .scatterlayer path.js-line").first).to_be_visible()
     for view in ("Response", "Lenses", "Live"):

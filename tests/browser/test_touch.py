@@ -28,6 +28,8 @@ def window() -> dict[str, Any]:
 def phone(page: Page, dashboard: Dashboard) -> Page:
     page.goto(dashboard.url)
     expect(page.locator("#header")).to_contain_text("live")
+    # The remarks come later, and would move the sliders away under a finger.
+    expect(page.get_by_text("On the surface the error").first).to_be_visible()
     slider(page).scroll_into_view_if_needed()
     return page
 
