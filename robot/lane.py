@@ -201,5 +201,6 @@ def _too_fast(simulation: Simulation, margin: Margin) -> str:
         border = f", this loop's border is {margin.limit:.3g}" if known else ""
         cause += f" (γ = {margin.gamma:.3g}{border})"
     return (
-        f"{cause}. Lower k₁, k₂/ε or the learning rate, add armature or sample faster, then reset."
+        f"{cause}. Lower the gains of reaching (k₁, k₂/ε), of the surface or the learning rate, "
+        "add armature or sample faster, then reset."
     )

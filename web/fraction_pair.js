@@ -71,12 +71,15 @@ export class FractionPair {
    * @param {Pair|null} value null where there are several
    */
   set(value) {
+    const key = value ? keyOf(value) : SEVERAL;
+    const isNews = value !== null && key !== keyOf(this.value);
     if (value) this.value = value;
     this.#several.hidden = value !== null;
     if (this.held) return;
-    const key = value ? keyOf(value) : SEVERAL;
     const listed = value === null || this.#options.pairs.some((pair) => keyOf(pair) === key);
+    // A refusal leaves the boxes open: what it says is to be mended there.
     if (!listed) this.#asked = true;
+    else if (isNews) this.#asked = false;
     this.#place.hidden = !this.#asked;
     this.select.value = this.#asked ? OTHER : key;
     this.boxes.forEach((box, index) => { box.value = written(this.value[index]); });
@@ -119,7 +122,6 @@ export class FractionPair {
       this.set(this.value);
       return;
     }
-    this.#asked = false;
     this.#options.choose([numbers[0], numbers[1]]);
   }
 

@@ -149,7 +149,7 @@ export class Strip {
   /** @param {StudyRow|undefined} row */
   #at(row) {
     if (!row) return this.rows.length < COUNT ? 'trying …' : '';
-    const value = `${this.#name} ${rounded(row.value, this.field.unit)}`;
+    const value = `at ${this.#name} ≈ ${rounded(row.value, this.field.unit)}`;
     const metric = this.#metric.chosen;
     const figure = row[metric.id];
     if (row.state === 'refused') return `${value}: refused, ${row.reason}`;

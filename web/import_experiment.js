@@ -22,7 +22,9 @@ export function mountImport(api, history, tell) {
     try {
       await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
       const action = {label: 'Undo', run: () => { history.undo(); }};
-      tell(`Imported ${name}.`, {action});
+      const takeBack = tell(`Imported ${name}.`, {action});
+      // From the next change on it would undo that one.
+      history.addEventListener('change', takeBack, {once: true});
     } catch (error) {
       showRefusal(name, /** @type {ApiError} */ (error));
     }

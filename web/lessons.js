@@ -158,9 +158,15 @@ class Lessons {
     course.end();
     this.#course = null;
     noteOpenLesson(null);
-    const action = {label: 'Undo', run: () => { this.#history.undo(); }};
-    if (restore) this.#tell('The experiment is as it was before the lesson.', {action});
+    if (restore) this.#sayRestored();
     return true;
+  }
+
+  #sayRestored() {
+    const action = {label: 'Undo', run: () => { this.#history.undo(); }};
+    const takeBack = this.#tell('The experiment is as it was before the lesson.', {action});
+    // From the next change on it would undo that one.
+    this.#history.addEventListener('change', takeBack, {once: true});
   }
 
   /**

@@ -8,7 +8,10 @@ const STAY_MS = 12_000;
 const MOST = 4;
 
 /** @typedef {{label: string, run: () => void}} Action */
-/** @typedef {(text: string, options?: {error?: boolean, action?: Action}) => void} Tell */
+/**
+ * @typedef {(text: string, options?: {error?: boolean, action?: Action}) => (() => void)} Tell
+ *   says it, and returns what takes it back
+ */
 
 /**
  * @param {HTMLElement} place
@@ -20,8 +23,10 @@ export function mountNotices(place) {
     for (const shown of place.querySelectorAll('.notice')) {
       if (shown.querySelector('.notice-text')?.textContent === text) shown.remove();
     }
-    place.append(notice(text, error, action));
+    const box = notice(text, error, action);
+    place.append(box);
     while (place.children.length > MOST) place.firstElementChild?.remove();
+    return () => box.remove();
   };
 }
 

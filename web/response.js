@@ -15,6 +15,7 @@ import {BaselineList} from './response_baseline_list.js';
 import {Baselines} from './response_baselines.js';
 import {responsePanels, responseReadings} from './response_curves.js';
 import {ResponseHead} from './response_head.js';
+import {markLag} from './response_lag.js';
 import {ResponseMetrics} from './response_metrics.js';
 import {ResponseRemarks} from './response_remarks.js';
 import {responseTable} from './response_table.js';
@@ -132,6 +133,7 @@ class ResponseScreen {
     api.addEventListener('joint', (event) => {
       if (this.#seen) this.#toggleJoint(/** @type {CustomEvent} */ (event).detail);
     });
+    markLag(this.#root, this.#preview, api);
     new ResizeObserver(() => this.#looked()).observe(this.#root);
     document.addEventListener('visibilitychange', () => this.#looked());
     if (recall('response.scene') === '1') this.#pathsInScene(true);

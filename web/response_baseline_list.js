@@ -29,7 +29,8 @@ export class BaselineList {
     this.#baselines = baselines;
     this.#pin = element('button', {
       type: 'button', class: 'plots-button response-pin', on: {click: pin},
-    }, icon('pin'), element('span', {}, 'Pin as baseline'));
+      'aria-label': 'Pin as baseline', title: 'Pin as baseline: compare what comes with this',
+    }, icon('pin'), element('span', {}, 'Pin'));
     this.element.append(this.#pin, this.#list);
   }
 

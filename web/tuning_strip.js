@@ -8,6 +8,7 @@ import {changeOf} from './response_change.js';
 import {responsePanels} from './response_curves.js';
 import {RESPONSE_VIEWS} from './response_views.js';
 import {StripPlot} from './strip_plot.js';
+import {markLag} from './response_lag.js';
 import {isWatching} from './watch_only.js';
 import {YRanges} from './y_range.js';
 
@@ -62,6 +63,7 @@ class TuningStrip {
     }
     before.addEventListener('change', () => this.#pace.request());
     api.addEventListener('select', () => this.#pace.request());
+    markLag(this.element, preview, api);
     api.addEventListener('hello', () => this.#looked());
     new ResizeObserver(() => this.#looked()).observe(this.element);
     document.addEventListener('visibilitychange', () => this.#looked());

@@ -197,6 +197,12 @@ def test_an_export_comes_back_by_import(page: Page, dashboard: Dashboard, tmp_pa
     while experiment(dashboard) != wanted:
         assert time.monotonic() < end, "the import did not arrive"
         time.sleep(0.05)
+    # What offers to undo it goes when it would undo something else.
+    undo = page.locator(".notice").get_by_role("button", name="Undo")
+    undo.hover()  # It stays as long as somebody looks at it.
+    nu.fill("11")
+    nu.press("Enter")
+    expect(undo).to_have_count(0)
 
 
 def test_a_bad_import_is_refused_with_line_and_field(

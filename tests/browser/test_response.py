@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 import time
 from collections.abc import Iterator
@@ -10,7 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from robot.experiment import Experiment
 from robot.simulate import Run, simulate
@@ -44,10 +43,6 @@ KEEP_SHOWN = """
   }
 """
 """Keeps all that an element shows from now on: what a resting hand sees is soon replaced."""
-QUICK_RUNS = 3
-"""So many end during a drag, before the last one."""
-REST_MS = 800
-"""A hand that rests on a slider for so long gets the exact run."""
 AGREEMENT = 0.01
 """Greatest relative difference between a figure on the screen, which has three digits, and ours."""
 
@@ -193,37 +188,6 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
     smaller = simulated(dashboard)
     for lane in LANES:
         assert figures(page, lane) == pytest.approx(expected_figures(smaller, lane), rel=AGREEMENT)
-
-
-def test_a_hand_that_lets_go_before_its_quick_run_ends_gets_no_second_exact_run(
-    page: Page, dashboard: Dashboard
-) -> None:
-    open_response(page, dashboard)
-    asked: list[bool] = []
-    waiting: list[Route] = []
-
-    def take(route: Route) -> None:
-        asked.append(route.request.post_data_json["quick"])
-        if asked.count(True) > QUICK_RUNS and not waiting:
-            waiting.append(route)
-        else:
-            route.continue_()
-
-    page.route("**/api/preview", take)
-    track = slider(page, "lanes.RBFNN-NFTSM.c").bounding_box()
-    assert track is not None
-    with held(page, "lanes.RBFNN-NFTSM.c"):
-        for step in itertools.count():
-            if waiting:
-                break
-            share = 0.4 + 0.1 * (step % 2)
-            page.mouse.move(track["x"] + track["width"] * share, track["y"] + track["height"] / 2)
-            page.wait_for_timeout(50)
-    waiting[0].continue_()
-    until_exact(page, dashboard)
-    before = len(asked)
-    page.wait_for_timeout(REST_MS + 500)
-    assert len(asked) == before
 
 
 def test_a_baseline_is_compared_in_words_and_survives_a_reload(
