@@ -109,7 +109,7 @@ class ResponseScreen {
         svg: () => this.#saveImage('svg'),
         csv: () => this.#saveTable(),
       }, 'every point of the response, all joints'),
-      element('span', {class: 'spring'}), this.head.status, this.list.element,
+      this.head.status, this.list.element,
     );
     this.#root.classList.add('plots', 'response');
     this.#root.append(

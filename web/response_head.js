@@ -104,8 +104,8 @@ function nothingYet() {
  */
 function wording({revision: of, quick}, revision) {
   if (isWatching()) return ownersLast('response', of, revision);
-  const run = quick ? 'quick run' : 'exact run';
-  return of < revision ? `${run} of rev ${of}, now rev ${revision}` : `rev ${of} · ${run}`;
+  const which = of < revision ? `rev ${of}, now ${revision}` : `rev ${of}`;
+  return `${which} · ${quick ? 'quick run' : 'exact run'}`;
 }
 
 /**

@@ -58,7 +58,7 @@ def test_a_response_that_stays_behind_is_seen_to_be_out_of_date(
     response, status = page.locator(".response"), page.locator(".response-status")
     expect(response).to_have_class(re.compile("is-behind"))
     expect(page.locator(".response-table tbody").first).to_have_css("opacity", "0.4")
-    expect(status).to_have_text(f"exact run of rev {before}, now rev {before + 1}")
+    expect(status).to_have_text(f"rev {before}, now {before + 1} · exact run")
     for route in waiting:
         route.continue_()
     page.unroute("**/api/preview")
