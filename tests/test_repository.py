@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import subprocess
 import tomllib
@@ -85,6 +86,14 @@ def test_make_help_explains_every_target() -> None:
     run = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
     explained = set(re.findall(r"^  ([a-z]+)  ", run.stdout, re.MULTILINE))
     assert targets() - {"always", "libgomp"} == explained
+
+
+def test_every_module_that_make_runs_can_be_imported() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    modules = set(re.findall(r"-m ((?:tests|server)[\w.]*)", makefile))
+    assert {"tests.trust.faults", "tests.trust.fuzz", "tests.trust.soak"} <= modules
+    for module in modules:
+        importlib.import_module(module)
 
 
 def test_the_version_is_written_once() -> None:

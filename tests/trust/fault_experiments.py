@@ -14,10 +14,11 @@ import numpy as np
 from robot.accuracy import GOOD, difference
 from robot.errors import InvalidExperimentError
 from robot.experiment import Experiment
+from robot.margin import worst_margin
 from robot.packed import pack
 from robot.response import lane_response
 from robot.simulate import LaneRun, Run, simulate
-from robot.stability import notes, worst_margin
+from robot.stability import notes
 from server.preview import encode_responses
 from server.run_report import report
 from tests.trust.fault import Fault, Outcome, Promises

@@ -9,9 +9,10 @@ from typing import Any
 
 from robot.errors import SlidetuneError
 from robot.experiment import Experiment
+from robot.margin import worst_margin
 from robot.merge_patch import difference
 from robot.packed import pack
-from robot.stability import notes, worst_margin
+from robot.stability import notes
 from tests.trust.fuzz_values import TEXTS, wrong
 from tests.trust.fuzz_verdict import crash, unclear, words
 from tests.trust.fuzz_yaml import instances, unequal
