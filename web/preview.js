@@ -60,7 +60,7 @@ export class Preview extends EventTarget {
   constructor(api) {
     super();
     this.#api = api;
-    api.addEventListener('hello', () => { this.#note(); this.#want('exact'); });
+    api.addEventListener('hello', () => { this.#meet(); this.#note(); this.#want('exact'); });
     api.addEventListener('patch', () => {
       this.#note();
       if (!isWatching()) this.#follow();
@@ -142,6 +142,18 @@ export class Preview extends EventTarget {
    * @returns {Document|undefined} the experiment that it belongs to
    */
   documentOf({revision}) { return this.#documents.get(revision); }
+
+  /** A revision that doesn't go on may be another server's: the same document alone is the same. */
+  #meet() {
+    const {latest} = this;
+    const {revision, experiment} = this.#api;
+    if (!latest || latest.revision < revision) return;
+    const known = latest.revision === revision ? this.documentOf(latest) : undefined;
+    if (JSON.stringify(known) === JSON.stringify(experiment)) return;
+    this.#documents.clear();
+    this.latest = null;
+    this.#emit('response');
+  }
 
   #note() {
     const {revision, experiment} = this.#api;

@@ -4,11 +4,24 @@ from __future__ import annotations
 
 import itertools
 import re
+import signal
 
+import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.conftest import Dashboard
-from tests.browser.test_response import held, open_response, revision, slider, until_exact
+from tests.browser.conftest import Complaints, Dashboard, StartDashboard
+from tests.browser.test_response import (
+    AGREEMENT,
+    LANES,
+    expected_figures,
+    figures,
+    held,
+    open_response,
+    revision,
+    simulated,
+    slider,
+    until_exact,
+)
 
 QUICK_RUNS = 3
 """So many end during a drag, before the last one."""
@@ -64,3 +77,27 @@ def test_a_response_that_stays_behind_is_seen_to_be_out_of_date(
     page.unroute("**/api/preview")
     until_exact(page, dashboard)
     expect(response).not_to_have_class(re.compile("is-behind"))
+
+
+@pytest.mark.fresh
+def test_a_response_of_a_server_that_was_there_before_is_not_taken_for_the_present_one(
+    page: Page, start_dashboard: StartDashboard, complaints: Complaints
+) -> None:
+    complaints.allow("ERR_|WebSocket|closed before|connection")
+    first = start_dashboard()
+    port = re.search(r":(\d+)/", first.url)
+    assert port is not None
+    open_response(page, first)
+    page.locator("[data-view=live]").click()
+    first.process.send_signal(signal.SIGTERM)
+    first.process.wait(timeout=30)
+    second = start_dashboard("--port", port[1], "--preset", "paper-undisturbed")
+    expect(page.locator(".preset-button")).to_contain_text("paper-undisturbed", timeout=60_000)
+    # Both began at the same revision.
+    assert revision(second) == 1
+    page.locator("[data-view=response]").click()
+    expect(page.locator(".response-table tbody tr")).to_have_count(len(LANES))
+    until_exact(page, second)
+    run = simulated(second)
+    for lane in LANES:
+        assert figures(page, lane) == pytest.approx(expected_figures(run, lane), rel=AGREEMENT)
