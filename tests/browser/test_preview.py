@@ -65,16 +65,19 @@ def test_a_response_that_stays_behind_is_seen_to_be_out_of_date(
 ) -> None:
     open_response(page, dashboard)
     waiting: list[Route] = []
-    page.route("**/api/preview", lambda route: waiting.append(route))
+    released: list[bool] = []
+    page.route(
+        "**/api/preview", lambda route: route.continue_() if released else waiting.append(route)
+    )
     before = revision(dashboard)
     dashboard.client.post("/api/presets/realistic/load").raise_for_status()
     response, status = page.locator(".response"), page.locator(".response-status")
     expect(response).to_have_class(re.compile("is-behind"))
     expect(page.locator(".response-table tbody").first).to_have_css("opacity", "0.4")
     expect(status).to_have_text(f"rev {before}, now {before + 1} · exact run")
+    released.append(True)
     for route in waiting:
         route.continue_()
-    page.unroute("**/api/preview")
     until_exact(page, dashboard)
     expect(response).not_to_have_class(re.compile("is-behind"))
 
