@@ -4,6 +4,7 @@
 import {showDialog} from './dialog.js';
 import {element} from './element.js';
 import {isTyping} from './keys.js';
+import {tellWithUndo} from './undo_notice.js';
 
 /** @typedef {import('./api.js').ApiError} ApiError */
 
@@ -21,10 +22,7 @@ export function mountImport(api, history, tell) {
   const take = async (/** @type {string} */ name, /** @type {string} */ text) => {
     try {
       await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
-      const action = {label: 'Undo', run: () => { history.undo(); }};
-      const takeBack = tell(`Imported ${name}.`, {action});
-      // From the next change on it would undo that one.
-      history.addEventListener('change', takeBack, {once: true});
+      tellWithUndo(tell, history, `Imported ${name}.`);
     } catch (error) {
       showRefusal(name, /** @type {ApiError} */ (error));
     }

@@ -5,6 +5,7 @@ import {Course, presentState} from './lesson_course.js';
 import {LessonFigures} from './lesson_figures.js';
 import {LessonPanel} from './lesson_panel.js';
 import {noteOpenLesson, noteProgress, openLesson, progressOf} from './lesson_progress.js';
+import {tellWithUndo} from './undo_notice.js';
 
 /** @typedef {import('./api.js').Api} Api */
 
@@ -158,15 +159,9 @@ class Lessons {
     course.end();
     this.#course = null;
     noteOpenLesson(null);
-    if (restore) this.#sayRestored();
+    const text = 'The experiment is as it was before the lesson.';
+    if (restore) tellWithUndo(this.#tell, this.#history, text);
     return true;
-  }
-
-  #sayRestored() {
-    const action = {label: 'Undo', run: () => { this.#history.undo(); }};
-    const takeBack = this.#tell('The experiment is as it was before the lesson.', {action});
-    // From the next change on it would undo that one.
-    this.#history.addEventListener('change', takeBack, {once: true});
   }
 
   /**

@@ -118,8 +118,6 @@ export class Preview extends EventTarget {
     return true;
   }
 
-  #rested() { if (!this.#settled) this.#want('exact'); }
-
   /** Run the live experiment once more, whether or not it has changed. */
   again() { this.#want('exact'); }
 
@@ -260,7 +258,8 @@ export class Preview extends EventTarget {
     this.#emit('response');
     // Other screens' drags end without a word, and a hand may rest on its slider.
     clearTimeout(this.#rest);
-    if (response.quick) this.#rest = setTimeout(() => this.#rested(), REST_MS);
+    if (!response.quick) return;
+    this.#rest = setTimeout(() => { if (!this.#settled) this.#want('exact'); }, REST_MS);
   }
 
   /**

@@ -6,9 +6,9 @@ import {COLUMNS, threeDigits} from './metrics_columns.js';
 import {RedrawPace} from './redraw_pace.js';
 import {changeOf} from './response_change.js';
 import {responsePanels} from './response_curves.js';
+import {markLag} from './response_lag.js';
 import {RESPONSE_VIEWS} from './response_views.js';
 import {StripPlot} from './strip_plot.js';
-import {markLag} from './response_lag.js';
 import {isWatching} from './watch_only.js';
 import {YRanges} from './y_range.js';
 

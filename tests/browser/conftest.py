@@ -113,6 +113,13 @@ def end(process: subprocess.Popen[bytes]) -> None:
     process.wait()
 
 
+def stop(dashboard: Dashboard) -> str:
+    """End a dashboard as its user would; return its port, at which another one may follow."""
+    dashboard.process.send_signal(signal.SIGTERM)
+    dashboard.process.wait(timeout=30)
+    return str(httpx.URL(dashboard.url).port)
+
+
 @contextmanager
 def running(
     arguments: tuple[str, ...], log: Path, environment: Mapping[str, str] | None = None

@@ -17,7 +17,8 @@ EMPTY = "about:blank"
 class ReusedContext:
     """One context of a browser with one page, as good as fresh for each test.
 
-    What can't be taken back (an init script, a routed WebSocket) needs a context of its own.
+    What can't be taken back (an init script, a routed WebSocket) needs a context of its own;
+    listeners stay, and hear the next test too.
     """
 
     def __init__(self, browser: Browser, options: dict[str, Any]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import signal
 import time
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from robot.preset_yaml import experiment_from_yaml
 from robot.presets import load_preset
-from tests.browser.conftest import Complaints, Dashboard, StartDashboard
+from tests.browser.conftest import Complaints, Dashboard, StartDashboard, stop
 
 
 def open_page(page: Page, dashboard: Dashboard) -> None:
@@ -271,13 +270,10 @@ def test_the_page_comes_back_when_the_server_does(
 ) -> None:
     complaints.allow("ERR_CONNECTION_REFUSED|WebSocket|ERR_|closed before|connection")
     first = start_dashboard()
-    port = re.search(r":(\d+)/", first.url)
-    assert port is not None
     open_page(page, first)
-    first.process.send_signal(signal.SIGTERM)
-    first.process.wait(timeout=30)
+    port = stop(first)
     expect(page.locator("#banner")).to_contain_text(re.compile("connection|lost|reconnect", re.I))
-    second = start_dashboard("--port", port[1], "--preset", "realistic")
+    second = start_dashboard("--port", port, "--preset", "realistic")
     assert second.url == first.url
     expect(page.locator("#banner")).to_be_hidden(timeout=60_000)
     expect(page.locator("#tune")).to_contain_text("Computed torque")
@@ -290,14 +286,11 @@ def test_a_frozen_page_comes_back_when_it_is_looked_at_again(
     # What the browser itself says of a line that breaks.
     complaints.allow("ERR_CONNECTION_|WebSocket connection to|ERR_EMPTY_RESPONSE|ERR_NETWORK")
     first = start_dashboard()
-    port = re.search(r":(\d+)/", first.url)
-    assert port is not None
     open_page(page, first)
     lifecycle = page.context.new_cdp_session(page)
     lifecycle.send("Page.setWebLifecycleState", {"state": "frozen"})
-    first.process.send_signal(signal.SIGTERM)
-    first.process.wait(timeout=30)
-    start_dashboard("--port", port[1], "--preset", "realistic")
+    port = stop(first)
+    start_dashboard("--port", port, "--preset", "realistic")
     lifecycle.send("Page.setWebLifecycleState", {"state": "active"})
     expect(page.locator("#tune")).to_contain_text("Computed torque", timeout=60_000)
     expect(page.locator("#banner .banner")).to_be_hidden()
@@ -323,14 +316,11 @@ def test_a_hidden_page_tries_again_as_soon_as_it_is_seen(
         };"""
     )
     first = start_dashboard()
-    port = re.search(r":(\d+)/", first.url)
-    assert port is not None
     open_page(page, first)
     page.evaluate("hide(true)")
-    first.process.send_signal(signal.SIGTERM)
-    first.process.wait(timeout=30)
+    port = stop(first)
     expect(page.locator("#banner")).to_contain_text("The connection to the server is lost.")
-    start_dashboard("--port", port[1], "--preset", "realistic")
+    start_dashboard("--port", port, "--preset", "realistic")
     expect(page.locator("#banner .banner")).to_be_visible()
     page.evaluate("hide(false)")
     expect(page.locator("#banner .banner")).to_be_hidden(timeout=60_000)

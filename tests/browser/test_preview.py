@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 import re
-import signal
+import time
 
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.conftest import Complaints, Dashboard, StartDashboard
+from tests.browser.conftest import Complaints, Dashboard, StartDashboard, stop
 from tests.browser.test_response import (
     AGREEMENT,
     LANES,
@@ -47,9 +47,11 @@ def test_a_hand_that_lets_go_before_its_quick_run_ends_gets_no_second_exact_run(
     track = slider(page, "lanes.RBFNN-NFTSM.c").bounding_box()
     assert track is not None
     with held(page, "lanes.RBFNN-NFTSM.c"):
+        deadline = time.monotonic() + 30.0
         for step in itertools.count():
             if waiting:
                 break
+            assert time.monotonic() < deadline, "too few quick runs"
             share = 0.4 + 0.1 * (step % 2)
             page.mouse.move(track["x"] + track["width"] * share, track["y"] + track["height"] / 2)
             page.wait_for_timeout(50)
@@ -88,13 +90,10 @@ def test_a_response_of_a_server_that_was_there_before_is_not_taken_for_the_prese
 ) -> None:
     complaints.allow("ERR_|WebSocket|closed before|connection")
     first = start_dashboard()
-    port = re.search(r":(\d+)/", first.url)
-    assert port is not None
     open_response(page, first)
     page.locator("[data-view=live]").click()
-    first.process.send_signal(signal.SIGTERM)
-    first.process.wait(timeout=30)
-    second = start_dashboard("--port", port[1], "--preset", "paper-undisturbed")
+    port = stop(first)
+    second = start_dashboard("--port", port, "--preset", "paper-undisturbed")
     expect(page.locator(".preset-button")).to_contain_text("paper-undisturbed", timeout=60_000)
     # Both began at the same revision.
     assert revision(second) == 1
