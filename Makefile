@@ -31,7 +31,7 @@ help:  ## Show this list
 	@echo 'PYTHON chooses another Python for .venv: make install PYTHON=/path/to/python3'
 
 run: $(INSTALLED)  ## Run the dashboard
-	$(VENV_PYTHON) -m server serve $(ARGS)
+	$(VENV_PYTHON) -m slidetune serve $(ARGS)
 
 install: $(INSTALLED)  ## Set up .venv with everything that run, test and check need
 	@echo '.venv is ready: make run starts the dashboard.'
@@ -54,7 +54,7 @@ format: $(INSTALLED)  ## Lay the code out and sort its imports
 	$(VENV_PYTHON) -m ruff format .
 
 bench: $(INSTALLED)  ## Measure the time of a control step
-	$(VENV_PYTHON) -m server bench $(ARGS)
+	$(VENV_PYTHON) -m slidetune bench $(ARGS)
 
 soak: $(INSTALLED)  ## Serve many clients, then run for half an hour: ARGS="--minutes 2"
 	$(VENV_PYTHON) -m tests.trust.soak $(ARGS)

@@ -11,27 +11,27 @@ from fastapi.responses import FileResponse
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
-from robot import __version__
-from server.access import Access
-from server.access_policy import AccessPolicy
-from server.body_limit import BodyLimit
-from server.hub import Hub
-from server.openapi import REFUSALS
-from server.places import PLOTLY, WEB
-from server.refusals import install_refusals
-from server.routes.docs import docs_router
-from server.routes.experiment import experiment_router
-from server.routes.history import history_router
-from server.routes.lens import lens_router
-from server.routes.lessons import lessons_router
-from server.routes.live import live_router
-from server.routes.presets import presets_router
-from server.routes.preview import preview_router
-from server.routes.results import results_router
-from server.routes.session import session_router
-from server.routes.studies import studies_router
-from server.scene_relay import scene_router
-from server.studio import Studio
+from slidetune.robot import __version__
+from slidetune.server.contract.openapi import REFUSALS
+from slidetune.server.contract.refusals import install_refusals
+from slidetune.server.guard.access import Access
+from slidetune.server.guard.access_policy import AccessPolicy
+from slidetune.server.guard.body_limit import BodyLimit
+from slidetune.server.hosting.static_paths import PLOTLY, WEB
+from slidetune.server.routes.docs import docs_router
+from slidetune.server.routes.experiment import experiment_router
+from slidetune.server.routes.history import history_router
+from slidetune.server.routes.lens import lens_router
+from slidetune.server.routes.lessons import lessons_router
+from slidetune.server.routes.live import live_router
+from slidetune.server.routes.presets import presets_router
+from slidetune.server.routes.preview import preview_router
+from slidetune.server.routes.results import results_router
+from slidetune.server.routes.session import session_router
+from slidetune.server.routes.studies import studies_router
+from slidetune.server.scene.relay import scene_router
+from slidetune.server.state.app_state import Studio
+from slidetune.server.state.hub import Hub
 
 _DESCRIPTION = """
 The live session of a JAKA Zu 5 under sliding-mode control: one document (the experiment), changed

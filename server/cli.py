@@ -53,7 +53,7 @@ def default(
 ) -> None:
     """Serve the dashboard where no command is given."""
     if version:
-        from robot.version import __version__
+        from slidetune.robot.version import __version__
 
         print(__version__)
         raise typer.Exit
@@ -74,10 +74,10 @@ def serve(
     Prints the address to open. Where it asks for a token there are two of them, new at every
     start: the owner's, and one with which others may watch but change nothing.
     """
-    from robot.preset_name import is_preset_name
-    from robot.presets import load_preset
-    from server.serve import serve as serve_dashboard
-    from server.warmup_bar import warm_up_with_bar
+    from slidetune.robot.experiment.preset_name import is_preset_name
+    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.report.warmup_bar import warm_up_with_bar
+    from slidetune.server.serve import serve as serve_dashboard
 
     experiment = load_preset(preset)
     warm_up_with_bar(console)
@@ -99,12 +99,12 @@ def run(
 
     Ends with 0, with 2 where something is refused, and with 3 where a lane left its bounds.
     """
-    from robot.presets import load_preset
-    from server.output_file import check_outputs, write_output
-    from server.run_bar import simulate_with_bar
-    from server.run_columns import csv_lines
-    from server.run_figures import run_page
-    from server.run_report import json_text, print_report, report
+    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.run_bar import simulate_with_bar
+    from slidetune.server.report.run_columns import csv_lines
+    from slidetune.server.report.run_figures import run_page
+    from slidetune.server.report.run_report import json_text, print_report, report
 
     experiment = load_preset(preset)
     horizon = experiment.simulation.horizon
@@ -129,10 +129,10 @@ def run(
 @cli.command()
 def paper(html: PageOption = "") -> None:
     """Compare with the published Table 2, and draw Figures 4 to 15 and 17 to 19."""
-    from server.output_file import check_outputs, write_output
-    from server.paper_figures import paper_page
-    from server.paper_table import PRESETS, print_comparison
-    from server.run_bar import simulate_presets
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.paper_figures import paper_page
+    from slidetune.server.report.paper_table import PRESETS, print_comparison
+    from slidetune.server.report.run_bar import simulate_presets
 
     check_outputs(html)
     runs = simulate_presets(PRESETS, console)
@@ -149,9 +149,9 @@ def bench(
     json: JsonOption = "",
 ) -> None:
     """Measure the control step, whole runs and the live session on this machine."""
-    from server.bench import bench_text, measure, print_bench
-    from server.output_file import check_outputs, write_output
-    from server.warmup_bar import warm_up_with_bar
+    from slidetune.server.bench.table import bench_text, measure, print_bench
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.warmup_bar import warm_up_with_bar
 
     check_outputs(json)
     warm_up_with_bar(console)
@@ -180,7 +180,7 @@ def main() -> None:
     try:
         cli()
     except Exception as error:
-        from robot.errors import SlidetuneError
+        from slidetune.robot.errors import SlidetuneError
 
         if not isinstance(error, SlidetuneError | OSError):
             raise

@@ -9,15 +9,15 @@ import uvicorn
 from rich.console import Console
 from starlette.types import ASGIApp
 
-from robot.experiment import Experiment
-from server.access_policy import AccessPolicy, policy_for
-from server.allocator import map_large_blocks_apart
-from server.app import create_app
-from server.limits import MAX_MESSAGE
-from server.open_browser import open_browser, private_way
-from server.raw_http import RawHttp
-from server.raw_websocket import RawWebSocket, leave_foreign_text_out_of_the_log
-from server.studio import Studio
+from slidetune.robot.experiment.document import Experiment
+from slidetune.server.app import create_app
+from slidetune.server.guard.access_policy import AccessPolicy, policy_for
+from slidetune.server.guard.limits import MAX_MESSAGE
+from slidetune.server.hosting.allocator import map_large_blocks_apart
+from slidetune.server.hosting.open_browser import open_browser, private_way
+from slidetune.server.hosting.raw_http import RawHttp
+from slidetune.server.hosting.raw_websocket import RawWebSocket, leave_foreign_text_out_of_the_log
+from slidetune.server.state.app_state import Studio
 
 PORTS = 20
 """How many ports are tried from the wanted one on (*ours*)."""

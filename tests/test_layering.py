@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -43,8 +45,12 @@ JS_IMPORT = re.compile(
     r"""|^\s*import\s*["']([^"']+)["']|\bimport\(\s*([^)]*)\)""",
     re.MULTILINE,
 )
+JS_ADDRESS = re.compile(r"""["'`]/api/""")
 JS_COMMENT = re.compile(r"/\*.*?\*/|^\s*//.*?$", re.DOTALL | re.MULTILINE)
-JS_NEIGHBOUR = re.compile(r"\./[a-z0-9_]+\.js")
+JS_NEIGHBOUR = re.compile(r"(\./|\.\./)([a-z0-9_]+/)*[a-z0-9_]+\.js")
+MOST_FILES = 16
+"""Most files of code of one folder."""
+CODE = (".py", ".js", ".css", ".html")
 
 
 def modules(package: str) -> list[Path]:
@@ -61,7 +67,7 @@ def short(path: Path) -> str:
 
 def module_name(path: Path) -> str:
     parts = path.relative_to(ROOT).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    return ".".join(["slidetune", *(parts[:-1] if parts[-1] == "__init__" else parts)])
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -77,12 +83,52 @@ def imports(path: Path) -> Iterator[str]:
 
 
 def imports_of(package: str, roots: set[str]) -> list[str]:
+    """Imports of modules whose name begins with one of these."""
     return [
         f"{short(path)} imports {name}"
         for path in modules(package)
         for name in imports(path)
-        if name.partition(".")[0] in roots
+        if any(name == root or name.startswith(f"{root}.") for root in roots)
     ]
+
+
+def folder_order(package: str) -> list[str]:
+    """Folders of a package as CONTRIBUTING.md lists them: each imports only what stands above."""
+    guide = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    tree = re.search(rf"^{package}/\n((?:  [a-z_/]+/ +\S.*\n)+)", guide, re.MULTILINE)
+    assert tree
+    return [line.split()[0].rstrip("/") for line in tree[1].splitlines()]
+
+
+def folder(path: Path, package: str) -> str:
+    """The folder of a file within its package; empty for the package's own."""
+    inside = path.parent.relative_to(ROOT / package).as_posix()
+    return "" if inside == "." else inside
+
+
+def against_the_order(package: str, edges: Iterator[tuple[Path, Path]]) -> list[str]:
+    """Imports that go down, or aside, in the list of the package's folders."""
+    listed = folder_order(package)
+    order = ["", *listed] if package == "robot" else [*listed, ""]
+    return [
+        f"{short(user)} imports {short(used)}"
+        for user, used in edges
+        if folder(user, package) != folder(used, package)
+        and order.index(folder(used, package)) > order.index(folder(user, package))
+    ]
+
+
+def python_edges(package: str) -> Iterator[tuple[Path, Path]]:
+    files = {module_name(path): path for path in modules(package)}
+    for user in files.values():
+        # What a package hands on from its own modules is no import against the order.
+        if user != ROOT / package / "__init__.py":
+            yield from ((user, files[name]) for name in imports(user) if name in files)
+
+
+def script_edges() -> Iterator[tuple[Path, Path]]:
+    for user in scripts():
+        yield from ((user, (user.parent / name).resolve()) for name in script_imports(user))
 
 
 def code_of(script: Path) -> str:
@@ -109,11 +155,11 @@ def test_robot_has_no_clock_no_thread_and_no_network() -> None:
 
 
 def test_robot_never_imports_server() -> None:
-    assert imports_of("robot", {"server", "tests", "web"}) == []
+    assert imports_of("robot", {"slidetune.server", "tests"}) == []
 
 
 def test_server_never_imports_tests() -> None:
-    assert imports_of("server", {"tests", "web"}) == []
+    assert imports_of("server", {"tests"}) == []
 
 
 @pytest.mark.parametrize("package", ["robot", "server"])
@@ -134,6 +180,38 @@ def test_no_import_goes_in_a_circle(package: str) -> None:
     assert graph == {}
 
 
+def test_there_is_one_import_name() -> None:
+    for package in ("robot", "server", "slidetune", "tests"):
+        assert imports_of(package, {"robot", "server", "web", "presets"}) == []
+
+
+@pytest.mark.parametrize("name", ["robot", "server"])
+def test_no_module_is_there_twice(name: str) -> None:
+    with pytest.raises(ImportError, match=f"import slidetune.{name}"):
+        importlib.import_module(name)
+
+
+@pytest.mark.parametrize("package", ["robot", "server", "web"])
+def test_the_guide_lists_every_folder_of_code(package: str) -> None:
+    files = [path for path in (ROOT / package).rglob("*") if path.suffix in CODE]
+    assert sorted(folder_order(package)) == sorted({folder(path, package) for path in files} - {""})
+
+
+@pytest.mark.parametrize("package", ["robot", "server"])
+def test_folders_import_one_way(package: str) -> None:
+    assert against_the_order(package, python_edges(package)) == []
+
+
+def test_folders_of_scripts_import_one_way() -> None:
+    assert against_the_order("web", script_edges()) == []
+
+
+def test_no_folder_holds_more_than_one_can_overlook() -> None:
+    code = (path for top in ("robot", "server", "web", "tests") for path in (ROOT / top).rglob("*"))
+    count = Counter(short(path.parent) for path in code if path.suffix in CODE)
+    assert {name: files for name, files in count.items() if files > MOST_FILES} == {}
+
+
 def test_scripts_import_only_their_neighbours() -> None:
     for script in scripts():
         for target in script_imports(script):
@@ -142,8 +220,8 @@ def test_scripts_import_only_their_neighbours() -> None:
 
 
 def test_one_script_knows_the_addresses_of_the_server() -> None:
-    knowing = [short(path) for path in scripts() if "/api/" in code_of(path)]
-    assert knowing == ["web/api.js"]
+    knowing = [short(path) for path in scripts() if JS_ADDRESS.search(code_of(path))]
+    assert knowing == ["web/api/api.js"]
 
 
 def test_no_file_is_longer_than_400_lines() -> None:

@@ -1,30 +1,30 @@
 // @ts-check
 /** Puts the screen together and opens the line to the server. */
 
-import {Api} from './api.js';
-import {mount as mountControls} from './controls.js';
-import {mountHeader} from './header.js';
-import {History} from './history.js';
-import {mountImport} from './import_experiment.js';
-import {keyHandler} from './keys.js';
-import {mount as mountLessons} from './lessons.js';
-import {mount as mountMetrics} from './metrics.js';
-import {mountNotices} from './notices.js';
-import {keepFocusOffPressed} from './pointer_focus.js';
-import {Presets} from './presets.js';
-import {Preview} from './preview.js';
-import {ResponseBefore} from './response_before.js';
-import {mount as mountRightPanel} from './right_panel.js';
-import {mount as mountScene} from './scene.js';
-import {mountScrub} from './scrub.js';
-import {mountSkipLinks} from './skip_links.js';
-import {mountSplitters} from './splitters.js';
-import {mountBanner} from './status.js';
-import {mountTabs} from './tabs.js';
-import {applyTheme} from './theme.js';
-import {mount as mountTransport} from './transport.js';
-import {mountTuningStrip} from './tuning_strip.js';
-import {mountWatchOnly} from './watch_only.js';
+import {Api} from './api/api.js';
+import {mount as mountControls} from './experiment/panel.js';
+import {mountHeader} from './page/header.js';
+import {History} from './api/history.js';
+import {mountImport} from './experiment/import_experiment.js';
+import {keyHandler} from './screen/keys.js';
+import {mount as mountLessons} from './lessons/lessons.js';
+import {mount as mountMetrics} from './figures/table.js';
+import {mountNotices} from './dom/notices.js';
+import {keepFocusOffPressed} from './screen/pointer_focus.js';
+import {Presets} from './experiment/presets.js';
+import {Preview} from './api/preview.js';
+import {ResponseBefore} from './response/before.js';
+import {mount as mountRightPanel} from './page/right_panel.js';
+import {mount as mountScene} from './scene/scene.js';
+import {mountScrub} from './scene/scrub.js';
+import {mountSkipLinks} from './screen/skip_links.js';
+import {mountSplitters} from './screen/splitters.js';
+import {mountBanner} from './page/status.js';
+import {mountTabs} from './screen/tabs.js';
+import {applyTheme} from './screen/theme.js';
+import {mount as mountTransport} from './page/transport.js';
+import {mountTuningStrip} from './tuning_strip/tuning_strip.js';
+import {mountWatchOnly} from './api/watch_only.js';
 
 /** @param {string} id */
 function part(id) { return /** @type {HTMLElement} */ (document.getElementById(id)); }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from robot.laws import computed_torque, nftsm, rbfnn_nftsm, rbfnn_smc, smc
-from robot.laws.law import Law
+from slidetune.robot.laws import computed_torque, nftsm, rbfnn_nftsm, rbfnn_smc, smc
+from slidetune.robot.laws.law import Law
 
 LAWS: dict[str, Law] = {
     law.name: law

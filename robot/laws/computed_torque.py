@@ -6,14 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from robot.compiled import kernel
-from robot.laws.law import Law
-from robot.network import no_network
-from robot.quantity import JOINTS, PerJoint, Section, field
-from robot.stages import begin, command, finish, observe
-from robot.surface import linear_surface
-from robot.wiring import law_arrays
-from robot.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
+from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
+from slidetune.robot.integrator.kernel_arrays import law_arrays
+from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
+from slidetune.robot.laws.law import Law
+from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.surface import linear_surface
 
 Array = np.ndarray
 

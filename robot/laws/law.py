@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from robot.quantity import Section
+from slidetune.robot.fields.quantity import Section
 
 Array = np.ndarray
 

@@ -6,16 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from robot.compiled import kernel
-from robot.equivalent_control import equivalent_control
-from robot.laws.law import Law
-from robot.network import no_network
-from robot.quantity import JOINTS, field
-from robot.stages import begin, command, finish, observe
-from robot.surface import MU, RATIO, C, NftsmSurface, nftsm_surface
-from robot.switching import ReachingGains, reach
-from robot.wiring import law_arrays
-from robot.workspace import (
+from slidetune.robot.fields.quantity import JOINTS, field
+from slidetune.robot.integrator.kernel_arrays import law_arrays
+from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import (
     BENDS,
     FLAGS,
     REACH,
@@ -27,6 +22,11 @@ from robot.workspace import (
     TERMINAL_MU,
     TERMINAL_RATIO,
 )
+from slidetune.robot.laws.law import Law
+from slidetune.robot.laws.terms.equivalent_control import equivalent_control
+from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.surface import MU, RATIO, C, NftsmSurface, nftsm_surface
+from slidetune.robot.laws.terms.switching import ReachingGains, reach
 
 Array = np.ndarray
 

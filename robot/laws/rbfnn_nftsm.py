@@ -6,15 +6,15 @@ from typing import Literal
 
 import numpy as np
 
-from robot.compiled import kernel
-from robot.laws.law import Law
-from robot.network import NetworkGains, network
-from robot.quantity import JOINTS
-from robot.stages import begin, command, finish, observe
-from robot.surface import NftsmSurface, nftsm_surface
-from robot.switching import ReachingGains, reach
-from robot.wiring import law_arrays
-from robot.workspace import CURRENT, FLAGS, NETWORK, REACH, SHAPED, TAU
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.kernel_arrays import law_arrays
+from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import CURRENT, FLAGS, NETWORK, REACH, SHAPED, TAU
+from slidetune.robot.laws.law import Law
+from slidetune.robot.laws.terms.network import NetworkGains, network
+from slidetune.robot.laws.terms.surface import NftsmSurface, nftsm_surface
+from slidetune.robot.laws.terms.switching import ReachingGains, reach
 
 Array = np.ndarray
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from robot.errors import FieldError, InvalidExperimentError
-from robot.experiment import Experiment
-from robot.lenses import chattering, network_view, sliding_mode
-from robot.lenses.screen import document
-from robot.packed import Packed, pack
-from robot.response import only_lane
-from robot.simulate import LaneRun, simulate
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.lenses import chattering, network_view, sliding_mode
+from slidetune.robot.lenses.screen import document
+from slidetune.robot.loop.response import only_lane
+from slidetune.robot.loop.simulate import LaneRun, simulate
 
 Lens = Callable[[Packed, str, LaneRun, LaneRun | None], Any]
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.metrics import HIGH_FREQUENCY, torque_spectrum, total_variation
-from robot.packed import Packed
-from robot.quantity import JOINTS
-from robot.simulate import LaneRun
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.metrics import HIGH_FREQUENCY, torque_spectrum, total_variation
+from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.lenses.probe import Probe
-from robot.lenses.screen import every_few
-from robot.network import NetworkGains
-from robot.packed import Packed
-from robot.quantity import JOINTS
-from robot.response import thinned
-from robot.simulate import LaneRun
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.laws.terms.network import NetworkGains
+from slidetune.robot.lenses.probe import Probe
+from slidetune.robot.lenses.screen import every_few
+from slidetune.robot.loop.response import thinned
+from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
 

@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot.disturbance import SENSOR, external_torque
-from robot.dynamics import dynamics
-from robot.equivalent_control import equivalent_control
-from robot.laws import LAWS
-from robot.packed import Packed
-from robot.quantity import JOINTS
-from robot.trajectory import QUINTIC
-from robot.wiring import wire
-from robot.workspace import CURRENT, RECORD_COLUMNS, S_E, S_V, TAU, WORK_ROWS, F, Q, S, V
+from slidetune.robot.arm.dynamics import dynamics
+from slidetune.robot.environment.disturbance import SENSOR, external_torque
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.kernels.workspace import (
+    CURRENT,
+    RECORD_COLUMNS,
+    S_E,
+    S_V,
+    TAU,
+    WORK_ROWS,
+    F,
+    Q,
+    S,
+    V,
+)
+from slidetune.robot.laws import LAWS
+from slidetune.robot.laws.terms.equivalent_control import equivalent_control
+from slidetune.robot.motion.trajectory import QUINTIC
 
 Array = np.ndarray
 

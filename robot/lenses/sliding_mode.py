@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from robot.lenses.probe import Probe
-from robot.lenses.screen import evenly_along, every_few
-from robot.packed import Packed
-from robot.quantity import JOINTS
-from robot.response import thinned
-from robot.simulate import LaneRun
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.lenses.probe import Probe
+from slidetune.robot.lenses.screen import evenly_along, every_few
+from slidetune.robot.loop.response import thinned
+from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
 

@@ -7,9 +7,9 @@ from typing import Any, get_args
 
 import numpy as np
 
-from robot.errors import FieldError, InvalidExperimentError
-from robot.experiment import Experiment
-from robot.quantity import JOINTS
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.quantity import JOINTS
 
 Array = np.ndarray
 

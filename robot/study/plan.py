@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from robot.errors import FieldError, InvalidExperimentError
-from robot.experiment import Experiment
-from robot.study.knob import COUNT, knob, knobs
-from robot.switching import SWITCHINGS
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.laws.terms.switching import SWITCHINGS
+from slidetune.robot.study.knob import COUNT, knob, knobs
 
 EPSILONS = np.geomspace(1e-3, 1.0, 13)
 """Boundary layers of an accuracy-chattering curve in [rad/s] (*ours*)."""

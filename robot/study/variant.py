@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from robot.errors import InvalidExperimentError
-from robot.experiment import Experiment
-from robot.response import only_lane, quickened
-from robot.simulate import simulate
+from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.response import only_lane, quickened
+from slidetune.robot.loop.simulate import simulate
 
 LIMIT_CYCLE = 1000.0
 """Total variation of the torque [N m/s] per joint above which a lane counts as chattering hard

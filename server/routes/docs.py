@@ -13,8 +13,8 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse
 from starlette.exceptions import HTTPException
 
-from server.asyncapi import asyncapi_document
-from server.places import WEB
+from slidetune.server.contract.asyncapi import asyncapi_document
+from slidetune.server.hosting.static_paths import WEB
 
 _FILES = ("swagger-ui-bundle.js", "swagger-ui.css")
 
@@ -33,11 +33,11 @@ def docs_router() -> APIRouter:
 
     @router.get("/docs")
     async def page() -> FileResponse:
-        return FileResponse(WEB / "docs.html")
+        return FileResponse(WEB / "docs" / "docs.html")
 
     @router.get("/docs/live")
     async def live_page() -> FileResponse:
-        return FileResponse(WEB / "live_docs.html")
+        return FileResponse(WEB / "docs" / "live_docs.html")
 
     @router.get("/asyncapi.json")
     async def live_document(request: Request) -> dict[str, Any]:

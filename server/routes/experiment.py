@@ -7,13 +7,13 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request, Response
 
-from robot.errors import FieldError, InvalidExperimentError
-from robot.experiment import Experiment
-from robot.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from server.contract import ErrorAnswer, ExperimentAnswer
-from server.openapi import OR_YAML, YAML
-from server.plain_json import NotJsonError, read_json
-from server.studio import Studio, law_infos
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
+from slidetune.server.contract.openapi import OR_YAML, YAML
+from slidetune.server.guard.plain_json import NotJsonError, read_json
+from slidetune.server.state.app_state import Studio, law_infos
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},

@@ -8,9 +8,9 @@ from fastapi import APIRouter, Body
 from pydantic import Field
 from starlette.exceptions import HTTPException
 
-from robot.experiment import LaneName
-from server.contract import ErrorAnswer, ExperimentAnswer, Strict
-from server.studio import Studio
+from slidetune.robot.experiment.document import LaneName
+from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer, Strict
+from slidetune.server.state.app_state import Studio
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     404: {"model": ErrorAnswer},

@@ -8,11 +8,11 @@ from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
 from pydantic import Field
 
-from robot.lenses import look_through, only_known_lane
-from server.contract import ErrorAnswer, Strict
-from server.disconnect import until_gone
-from server.run_cost import refuse_if_costly
-from server.studio import Studio
+from slidetune.robot.lenses import look_through, only_known_lane
+from slidetune.server.compute.run_cost import refuse_if_costly
+from slidetune.server.contract.messages import ErrorAnswer, Strict
+from slidetune.server.routes.disconnect import until_gone
+from slidetune.server.state.app_state import Studio
 
 LensName = Literal["sliding", "network", "chattering"]
 ANSWERS: dict[int | str, dict[str, Any]] = {

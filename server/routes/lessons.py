@@ -7,9 +7,9 @@ from typing import Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from robot.lesson import LoadedLesson, View, lessons, load_lesson
-from robot.lesson_text import LessonText
-from server.contract import ErrorAnswer
+from slidetune.robot.lessons.lesson import LoadedLesson, View, lessons, load_lesson
+from slidetune.robot.lessons.text import LessonText
+from slidetune.server.contract.messages import ErrorAnswer
 
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
 

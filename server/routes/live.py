@@ -9,11 +9,8 @@ from fastapi import APIRouter
 from pydantic import TypeAdapter, ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from robot.errors import SlidetuneError
-from server.access import role_in
-from server.access_policy import WATCH_ONLY
-from server.allowance import Allowance
-from server.contract import (
+from slidetune.robot.errors import SlidetuneError
+from slidetune.server.contract.messages import (
     ClientMessage,
     KickMessage,
     LaneMessage,
@@ -26,13 +23,27 @@ from server.contract import (
     ViewMessage,
     is_request_id,
 )
-from server.errors import error_body
-from server.hub import Client, Hub, encode
-from server.limits import CLIENT_BURST, CLIENT_RATE, MAX_CLIENTS, TOTAL_RATE, TooManyPatchesError
-from server.message_size import message_cost, refuse_if_long, refuse_if_many, short_id
-from server.plain_json import NotJsonError, read_json
-from server.refusals import message_body, refusal_body
-from server.studio import Studio
+from slidetune.server.contract.refusals import message_body, refusal_body
+from slidetune.server.guard.access import role_in
+from slidetune.server.guard.access_policy import WATCH_ONLY
+from slidetune.server.guard.errors import error_body
+from slidetune.server.guard.limits import (
+    CLIENT_BURST,
+    CLIENT_RATE,
+    MAX_CLIENTS,
+    TOTAL_RATE,
+    TooManyPatchesError,
+)
+from slidetune.server.guard.message_size import (
+    message_cost,
+    refuse_if_long,
+    refuse_if_many,
+    short_id,
+)
+from slidetune.server.guard.plain_json import NotJsonError, read_json
+from slidetune.server.guard.token_bucket import Allowance
+from slidetune.server.state.app_state import Studio
+from slidetune.server.state.hub import Client, Hub, encode
 
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
 _AGAIN = ": this one was not acted on, send it again in a moment"

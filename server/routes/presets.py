@@ -8,13 +8,18 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from robot.experiment import Experiment
-from robot.presets import info_of, preset_store
-from server.contract import ErrorAnswer, ExperimentAnswer, PresetAnswer, PresetList
-from server.openapi import OR_YAML, YAML
-from server.preset_room import save_if_room
-from server.routes.experiment import parse_experiment, yaml_response
-from server.studio import Studio
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.presets import info_of, preset_store
+from slidetune.server.contract.messages import (
+    ErrorAnswer,
+    ExperimentAnswer,
+    PresetAnswer,
+    PresetList,
+)
+from slidetune.server.contract.openapi import OR_YAML, YAML
+from slidetune.server.routes.experiment import parse_experiment, yaml_response
+from slidetune.server.state.app_state import Studio
+from slidetune.server.state.preset_quota import save_if_room
 
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
 _CONFLICT: dict[int | str, dict[str, Any]] = {

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Request, Response
 from pydantic import Field
 
-from server.contract import ErrorAnswer, Strict
-from server.disconnect import until_gone
-from server.preview import encode_responses
-from server.studio import Studio
+from slidetune.server.compute.preview import encode_responses
+from slidetune.server.contract.messages import ErrorAnswer, Strict
+from slidetune.server.routes.disconnect import until_gone
+from slidetune.server.state.app_state import Studio
 
 BINARY = "application/octet-stream"
 SUPERSEDED: dict[int | str, dict[str, Any]] = {

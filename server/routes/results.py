@@ -6,10 +6,10 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from server.contract import ErrorAnswer
-from server.routes.lens import LensName
-from server.routes.preview import BINARY
-from server.studio import Studio
+from slidetune.server.contract.messages import ErrorAnswer
+from slidetune.server.routes.lens import LensName
+from slidetune.server.routes.preview import BINARY
+from slidetune.server.state.app_state import Studio
 
 JSON = "application/json"
 NONE_YET = {"description": "Nobody has asked for one yet."}

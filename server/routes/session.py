@@ -6,11 +6,20 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Request
 
-from server.access import role_in
-from server.contract import Accepted, ErrorAnswer, Health, Kick, Reset, SessionState, Speed, Steps
-from server.limits import limits_document
-from server.live_messages import MetricsMessage
-from server.studio import Studio
+from slidetune.server.contract.live_messages import MetricsMessage
+from slidetune.server.contract.messages import (
+    Accepted,
+    ErrorAnswer,
+    Health,
+    Kick,
+    Reset,
+    SessionState,
+    Speed,
+    Steps,
+)
+from slidetune.server.guard.access import role_in
+from slidetune.server.guard.limits import limits_document
+from slidetune.server.state.app_state import Studio
 
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
 

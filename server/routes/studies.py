@@ -12,16 +12,16 @@ from fastapi.responses import StreamingResponse
 from pydantic import Field
 from starlette.types import Receive, Scope, Send
 
-from robot.quantity import JOINTS
-from robot.study.knob import COUNT
-from robot.study.plan import Trial, sensitivity, strip, switching_comparison
-from robot.study.variant import METRICS, figures
-from server.contract import ErrorAnswer, Strict
-from server.limits import MAX_STUDIES, TooManyStudiesError
-from server.run_cost import refuse_if_costly
-from server.seats import Seats
-from server.studio import Studio
-from server.workers import BusyError, WorkerLostError
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.study.knob import COUNT
+from slidetune.robot.study.plan import Trial, sensitivity, strip, switching_comparison
+from slidetune.robot.study.variant import METRICS, figures
+from slidetune.server.compute.run_cost import refuse_if_costly
+from slidetune.server.compute.workers import BusyError, WorkerLostError
+from slidetune.server.contract.messages import ErrorAnswer, Strict
+from slidetune.server.guard.concurrency_limit import Seats
+from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
+from slidetune.server.state.app_state import Studio
 
 NDJSON = "application/x-ndjson"
 LINES: dict[int | str, dict[str, Any]] = {

@@ -43,6 +43,7 @@ ROOT = Path(__file__).resolve().parents[2]
 START_TIME = 240
 """Longest that a dashboard may take to start in seconds: the first one compiles every kernel."""
 ADDRESS = re.compile(r"http://\S+")
+SCENE = re.compile(r"http://[^/]+/scene/")
 SELECT = {"type": "select", "lane": "RBFNN-NFTSM"}
 VIEW = {"type": "view", "exaggeration": 1, "ghosts": True}
 """What a new dashboard shows."""
@@ -125,7 +126,16 @@ def running(
     arguments: tuple[str, ...], log: Path, environment: Mapping[str, str] | None = None
 ) -> Iterator[Dashboard]:
     """Run a dashboard on a free port; ends it at the end, however it stands."""
-    command = [sys.executable, "-m", "server", "serve", "--no-browser", "--port", "0", *arguments]
+    command = [
+        sys.executable,
+        "-m",
+        "slidetune",
+        "serve",
+        "--no-browser",
+        "--port",
+        "0",
+        *arguments,
+    ]
     with log.open("wb") as output:
         process = subprocess.Popen(
             command,
@@ -283,7 +293,7 @@ def context(
         reused.close()
     context = reused.open()
     blank = "<!doctype html><title>no scene</title>"
-    context.route("**/scene/**", lambda r: r.fulfill(content_type="text/html", body=blank))
+    context.route(SCENE, lambda r: r.fulfill(content_type="text/html", body=blank))
     yield context
     if "fresh" in marks or request.node.stash.get(FAILED, False):
         reused.close()

@@ -13,8 +13,8 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
-from robot.preset_yaml import experiment_from_yaml
-from robot.presets import load_preset
+from slidetune.robot.experiment.preset_yaml import experiment_from_yaml
+from slidetune.robot.experiment.presets import load_preset
 from tests.browser.conftest import Complaints, Dashboard, StartDashboard, stop
 
 

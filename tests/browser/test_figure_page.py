@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page
 
-from robot.presets import load_preset
-from robot.simulate import simulate
-from server.paper_figures import paper_page
-from server.paper_table import PRESETS
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.loop.simulate import simulate
+from slidetune.server.report.paper_figures import paper_page
+from slidetune.server.report.paper_table import PRESETS
 
 CURVES = 6 * 3 + 9 * 4
 """Six figures show the three laws, nine the desired motion beside them."""

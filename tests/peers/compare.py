@@ -14,7 +14,7 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from server.run_bar import progress_bar
+from slidetune.server.report.run_bar import progress_bar
 from tests.peers.contest import (
     PROBE,
     Entry,

@@ -6,9 +6,9 @@ from typing import Literal
 
 import pinocchio as pin
 
-from robot.presets import load_preset
-from robot.simulate import simulate
-from robot.version import __version__
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.version import __version__
 from tests.peers.problem import SAMPLE, Array, MassAndBias, Problem, Run, Trace, Variant
 
 LANE = "RBFNN-NFTSM"

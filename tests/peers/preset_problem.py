@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot.description import URDF_PATH
-from robot.laws.rbfnn_nftsm import RbfnnNftsm
-from robot.presets import load_preset
-from robot.quantity import JOINTS
-from robot.trajectory import SineTrajectory
+from slidetune.robot.arm.description import URDF_PATH
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.laws.rbfnn_nftsm import RbfnnNftsm
+from slidetune.robot.motion.trajectory import SineTrajectory
 from tests.peers.ours import LANE
 from tests.peers.problem import Problem
 

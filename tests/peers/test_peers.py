@@ -12,11 +12,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from robot.cutting import Cutting
-from robot.lane import Lane
-from robot.packed import pack
-from robot.presets import load_preset
-from robot.workspace import NODES, RECORD_COLUMNS, Q, V, W
+from slidetune.robot.experiment.packed import pack
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.integrator.cutting import Cutting
+from slidetune.robot.kernels.workspace import NODES, RECORD_COLUMNS, Q, V, W
+from slidetune.robot.loop.lane import Lane
 from tests.peers import numpy_on_pinocchio, ours
 from tests.peers.contest import Worker
 from tests.peers.environments import PEERS, Peer, UnavailablePeerError, is_ready

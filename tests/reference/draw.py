@@ -7,12 +7,14 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from robot.disturbance import Disturbance
-from robot.errors import InvalidExperimentError
-from robot.experiment import Experiment, Robot, Simulation
-from robot.laws import LAWS
-from robot.packed import pack
-from robot.presets import load_preset
+from slidetune.robot.arm.section import Robot
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import pack
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.laws import LAWS
 from tests.trust.random_experiment import Draw
 
 Document = dict[str, Any]

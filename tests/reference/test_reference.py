@@ -10,10 +10,10 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
-from robot.arm import build_model
-from robot.experiment import Experiment
-from robot.laws import LAWS
-from robot.presets import load_preset
+from slidetune.robot.arm.arm import build_model
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.laws import LAWS
 from tests.reference.arm import JOINTS, arm
 from tests.reference.data import TIME, read
 from tests.reference.draw import DRAWS, widely

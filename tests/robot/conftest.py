@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from robot.experiment import Experiment
-from robot.simulate import Run, simulate
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.simulate import Run, simulate
 
 PAPER_LANES = {
     "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},

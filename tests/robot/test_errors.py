@@ -8,8 +8,8 @@ import pickle
 
 import pytest
 
-from robot import errors
-from robot.errors import (
+from slidetune.robot import errors
+from slidetune.robot.errors import (
     FieldError,
     InvalidExperimentError,
     PresetSyntaxError,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from robot.disturbance import Disturbance, pack_world
-from robot.dynamics import Dynamics
-from robot.quantity import JOINTS
-from robot.trajectory import HoldTrajectory, pack_trajectory
-from robot.wiring import wire
-from robot.workspace import RECORD_COLUMNS, WORK_ROWS
+from slidetune.robot.arm.dynamics import Dynamics
+from slidetune.robot.environment.disturbance import Disturbance, pack_world
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
+from slidetune.robot.motion.trajectory import HoldTrajectory, pack_trajectory
 
 Array = np.ndarray
 

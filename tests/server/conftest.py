@@ -13,11 +13,11 @@ import httpx
 import pytest
 import uvicorn
 
-from robot.experiment import Experiment
-from server.access_policy import AccessPolicy, policy_for
-from server.app import create_app
-from server.serve import free_socket, server_config
-from server.studio import Studio
+from slidetune.robot.experiment.document import Experiment
+from slidetune.server.app import create_app
+from slidetune.server.guard.access_policy import AccessPolicy, policy_for
+from slidetune.server.serve import free_socket, server_config
+from slidetune.server.state.app_state import Studio
 
 LANES = {
     "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robot.experiment import Experiment
-from robot.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from robot.presets import SHIPPED_FOLDER, presets
-from robot.simulate import simulate
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.robot.experiment.presets import SHIPPED_FOLDER, presets
+from slidetune.robot.loop.simulate import simulate
 
 ROOT = SHIPPED_FOLDER.parent
 SHORT = {"simulation": {"horizon": 0.3}}
@@ -28,7 +28,7 @@ def slidetune(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]
         "SLIDETUNE_PRESETS": str(folder),
     }
     return subprocess.run(
-        [sys.executable, "-m", "server", *arguments],
+        [sys.executable, "-m", "slidetune", *arguments],
         cwd=folder,
         env={**os.environ, **settings},
         capture_output=True,

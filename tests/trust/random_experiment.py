@@ -6,7 +6,7 @@ import math
 import random
 from typing import Any
 
-from robot.experiment import Experiment
+from slidetune.robot.experiment.document import Experiment
 
 Schema = dict[str, Any]
 Document = dict[str, Any]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 
-from server.bench import machine
+from slidetune.server.bench.table import machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

@@ -33,7 +33,7 @@ def _row(row: dict[str, Any]) -> list[str]:
 
 def main(keep: bool = typer.Option(False, "--record", help="Write docs/performance.md.")) -> None:
     """Run the benchmark and print its rows as Markdown."""
-    command = [sys.executable, "-m", "server", "bench", "--json", "-"]
+    command = [sys.executable, "-m", "slidetune", "bench", "--json", "-"]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=True, encoding="utf-8")
     rows = json.loads(done.stdout)["rows"]
     headings = ["", "best", "median", "× floor", "wanted", "met"]

@@ -1,0 +1,101 @@
+"""The arm's section of an experiment: inertials, friction, limits, payload."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from slidetune.robot.fields.quantity import Number, PerJoint, PerJointOrOff, Point, Section, field
+
+
+class Payload(Section):
+    """What the flange carries."""
+
+    mass: Number = field(
+        0.0,
+        title="Mass",
+        symbol="m",
+        unit="kg",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        meaning="Mass at the flange; the arm is rated for 5 kg.",
+    )
+    center: Point = field(
+        (0.0, 0.0, 0.05),
+        title="Centre of mass",
+        unit="m",
+        low=-0.3,
+        high=0.3,
+        step=0.005,
+        meaning="Where the mass sits, in the flange's frame (z points out of it).",
+    )
+    known: bool = field(
+        False,
+        title="Known to the controller",
+        meaning="Whether the model of a model-based law includes the payload.",
+    )
+
+
+class Robot(Section):
+    """The arm."""
+
+    model: Literal["jaka_zu5"] = field(
+        "jaka_zu5", title="Arm", source="published", meaning="JAKA Zu 5, six joints, 5 kg, 954 mm."
+    )
+    inertials: Literal["vendor", "datasheet"] = field(
+        "vendor",
+        title="Inertials",
+        source="vendor",
+        meaning="vendor: the manufacturer's description, solid steel, 96.4 kg, behind the paper's "
+        "figures; datasheet: scaled to the arm's real 23 kg.",
+    )
+    inertia_scale: Number = field(
+        1.0,
+        title="Inertia scale",
+        low=0.1,
+        high=3.0,
+        step=0.01,
+        meaning="Multiplies every mass and inertia of the true arm and of the nominal one.",
+    )
+    armature: PerJoint = field(
+        0.0,
+        title="Reflected rotor inertia",
+        symbol="A",
+        unit="kg·m²",
+        low=0.0,
+        high=5.0,
+        step=0.01,
+        meaning="Inertia of the motors seen through the gears; the paper has none.",
+    )
+    viscous_friction: PerJoint = field(
+        0.0,
+        title="Viscous friction",
+        symbol="d",
+        unit="N·m·s/rad",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        meaning="Torque lost per unit of velocity; no controller knows of it.",
+    )
+    coulomb_friction: PerJoint = field(
+        0.0,
+        title="Coulomb friction",
+        symbol="f_C",
+        unit="N·m",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        meaning="Torque lost to any motion, smoothed by tanh(v/0.02); no controller knows of it.",
+    )
+    torque_limit: PerJointOrOff = field(
+        None,
+        title="Torque limit",
+        symbol="τ_max",
+        unit="N·m",
+        low=1.0,
+        high=5000.0,
+        step=1.0,
+        scale="log",
+        meaning="Greatest torque of a joint; off as in the paper.",
+    )
+    payload: Payload = Payload()

@@ -1,0 +1,101 @@
+"""The experiment: the one document from which a run, a preset, a slider and a result come."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, ValidationError
+
+from slidetune.robot.arm.section import Robot
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.experiment.merge_patch import merge_patch
+from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.quantity import Section
+from slidetune.robot.fields.refusal import field_errors
+from slidetune.robot.laws import LAWS
+from slidetune.robot.motion.trajectory import SineTrajectory, Trajectory
+
+FORMAT = 1
+"""Version of the document's format."""
+MAX_LANES = 6
+
+_LANE_NAME = re.compile(r"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{1,40}")
+
+
+def _lane_name(name: str) -> str:
+    if name == "__proto__":
+        # In a browser no object can hold it: an edit of this lane could not be undone.
+        raise ValueError("__proto__ is no name for a lane: JavaScript keeps it for itself")
+    if not _LANE_NAME.fullmatch(name) or name != name.strip():
+        raise ValueError(
+            "a lane's name has 1 to 40 characters, without / \\ < > and blanks at its ends"
+        )
+    return name
+
+
+LaneName = Annotated[str, AfterValidator(_lane_name)]
+if TYPE_CHECKING:
+    Lane = Any  # any of the laws' gains: which ones there are is known when the program runs
+else:
+    Lane = Annotated[reduce(or_, [law.lane for law in LAWS.values()]), Field(discriminator="law")]
+
+
+class Experiment(Section):
+    """One experiment: immutable, complete, comparable with ``==``."""
+
+    slidetune: Literal[1] = 1
+    title: str = Field(default="", max_length=120, title="Title", description="Name on the screen.")
+    description: str = Field(
+        default="", max_length=4000, title="Description", description="What to look at."
+    )
+    robot: Robot = Robot()
+    lanes: dict[LaneName, Lane] = Field(
+        default_factory=lambda: {"RBFNN-NFTSM": LAWS["rbfnn_nftsm"].lane()},
+        min_length=1,
+        max_length=MAX_LANES,
+        title="Lanes",
+        description="Closed loops by name, all against the same trajectory and disturbance.",
+    )
+    trajectory: Trajectory = SineTrajectory()
+    disturbance: Disturbance = Disturbance()
+    simulation: Simulation = Simulation()
+
+    def __hash__(self) -> int:
+        """Agree with ``==``, which takes no notice of the lanes' order."""
+        sections = (self.robot, self.trajectory, self.disturbance, self.simulation)
+        return hash((self.title, self.description, frozenset(self.lanes.items()), *sections))
+
+    @classmethod
+    def from_document(cls, document: Mapping[str, Any]) -> Experiment:
+        """Validate a plain mapping.
+
+        Raises:
+            InvalidExperimentError: naming every refused field.
+        """
+        try:
+            return cls.model_validate(document)
+        except ValidationError as error:
+            raise InvalidExperimentError(field_errors(error, cls)) from error
+
+    def document(self) -> dict[str, Any]:
+        """Return the experiment as plain JSON values."""
+        return self.model_dump(mode="json")
+
+    def patched(self, patch: Mapping[str, Any]) -> Experiment:
+        """Return a copy changed by a JSON Merge Patch (RFC 7396), validated.
+
+        A patch that changes a lane's ``law`` or the trajectory's ``kind`` drops the gains that the
+        new one doesn't have. One that removes a lane and adds another renames it in its place.
+
+        Args:
+            patch: such as ``{"lanes": {"NFTSM": {"nu": 30}}}``; ``None`` removes.
+
+        Raises:
+            InvalidExperimentError: naming every refused field; nothing is changed.
+        """
+        return Experiment.from_document(merge_patch(self.document(), patch))

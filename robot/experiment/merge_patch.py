@@ -1,0 +1,127 @@
+"""JSON Merge Patch (RFC 7396) of an experiment's document."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.fields.plain_values import UnfitError, plain_values
+from slidetune.robot.laws import LAWS
+from slidetune.robot.motion.trajectory import (
+    CircleTrajectory,
+    HoldTrajectory,
+    QuinticTrajectory,
+    SineTrajectory,
+)
+
+Document = dict[str, Any]
+
+_TRAJECTORIES = {
+    "sine": SineTrajectory,
+    "quintic": QuinticTrajectory,
+    "hold": HoldTrajectory,
+    "circle": CircleTrajectory,
+}
+
+
+def _merge(target: Any, patch: Any) -> Any:
+    if not isinstance(patch, Mapping):
+        return patch
+    merged = dict(target) if isinstance(target, Mapping) else {}
+    for key, value in patch.items():
+        if value is None:
+            merged.pop(key, None)
+        else:
+            merged[key] = _merge(merged.get(key), value)
+    return merged
+
+
+def _fitting(before: Any, after: Any, patch: Any, tag: str, known: Mapping[str, Any]) -> Any:
+    """Drop what a newly chosen variant doesn't know, unless the patch itself names it."""
+    if not isinstance(before, Mapping) or not isinstance(after, Mapping):
+        return after
+    variant = after.get(tag)
+    if variant == before.get(tag) or not isinstance(variant, str) or variant not in known:
+        return after
+    fields = known[variant].model_fields
+    return {key: value for key, value in after.items() if key in fields or key in patch}
+
+
+def _renamed_in_place(before: Document, after: Document) -> Document:
+    gone = [name for name in before if name not in after]
+    new = [name for name in after if name not in before]
+    if len(gone) != 1 or len(new) != 1:
+        return after
+    order = [new[0] if name == gone[0] else name for name in before]
+    return {name: after[name] for name in order}
+
+
+def _refuse_unknown(changes: Mapping[str, Any], before: Mapping[str, Any]) -> None:
+    """Refuse gains for a lane that isn't there: it is misspelt, or a new one without its law."""
+    known = ", ".join(before)
+    unknown = [
+        FieldError(
+            f"lanes.{name}",
+            f"no lane is named {name}; there are: {known}. A new lane needs its law, one of "
+            f"{', '.join(LAWS)}",
+        )
+        for name, change in changes.items()
+        if name not in before and isinstance(change, Mapping) and "law" not in change
+    ]
+    if unknown:
+        raise InvalidExperimentError(unknown)
+
+
+def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
+    """Return ``document`` changed by ``patch``; see ``Experiment.patched``.
+
+    ``null`` removes, so that ``torque_limit: null`` takes it back to its default, which is "off".
+
+    Raises:
+        InvalidExperimentError: for a patch that no document could hold, such as one nested too
+            deep, or one of a lane that isn't there.
+    """
+    try:
+        patch = plain_values(patch)
+    except UnfitError as error:
+        raise InvalidExperimentError([FieldError(error.path, f"the patch {error}")]) from error
+    merged: Document = _merge(document, patch)
+    if not isinstance(patch, Mapping):
+        return merged
+    lanes, changes = merged.get("lanes"), patch.get("lanes")
+    if isinstance(lanes, dict) and isinstance(changes, Mapping):
+        before = document["lanes"]
+        _refuse_unknown(changes, before)
+        law_lanes = {name: law.lane for name, law in LAWS.items()}
+        fitted = {
+            name: _fitting(before.get(name), lane, changes.get(name) or {}, "law", law_lanes)
+            for name, lane in lanes.items()
+        }
+        merged["lanes"] = _renamed_in_place(before, fitted)
+    if isinstance(patch.get("trajectory"), Mapping):
+        merged["trajectory"] = _fitting(
+            document["trajectory"], merged["trajectory"], patch["trajectory"], "kind", _TRAJECTORIES
+        )
+    return merged
+
+
+def difference(before: Any, after: Any) -> Any:
+    """Return the merge patch that turns one document into another.
+
+    Args:
+        before: a document.
+        after: another.
+
+    Returns:
+        The patch; an empty mapping if they are equal.
+    """
+    if not isinstance(before, Mapping) or not isinstance(after, Mapping):
+        return after
+    patch: Document = {key: None for key in before if key not in after}
+    for key, value in after.items():
+        if key not in before:
+            patch[key] = value
+        elif before[key] != value:
+            patch[key] = difference(before[key], value)
+    return patch

@@ -1,0 +1,65 @@
+"""An experiment as the numbers that the kernels take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from slidetune.robot.arm.arm import build_model, nominal_model
+from slidetune.robot.environment.disturbance import pack_world
+from slidetune.robot.errors import FieldError, InvalidExperimentError, UnreachableError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.motion.circle import follow_circle
+from slidetune.robot.motion.trajectory import CircleTrajectory, pack_trajectory
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Packed:
+    """An experiment ready to step; made away from the thread that steps it.
+
+    Attributes:
+        experiment: where it comes from.
+        trajectory: see ``pack_trajectory``.
+        world: see ``pack_world``.
+        gains: numbers of each lane's law.
+        model: the true arm.
+        nominal: the arm that model-based laws believe in, ``None`` where it is the true one.
+    """
+
+    experiment: Experiment
+    trajectory: Array
+    world: Array
+    gains: dict[str, Array]
+    model: pin.Model
+    nominal: pin.Model | None
+
+
+def pack(experiment: Experiment) -> Packed:
+    """Turn an experiment into numbers.
+
+    Raises:
+        InvalidExperimentError: if the arm can't follow the trajectory.
+    """
+    trajectory, robot, turn = experiment.trajectory, experiment.robot, None
+    if isinstance(trajectory, CircleTrajectory):
+        try:
+            turn = follow_circle(trajectory)
+        except UnreachableError as error:
+            value = getattr(trajectory, error.field)
+            refused = FieldError(f"trajectory.{error.field}", str(error), value)
+            raise InvalidExperimentError([refused]) from error
+    world = pack_world(
+        experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit
+    )
+    return Packed(
+        experiment=experiment,
+        trajectory=pack_trajectory(trajectory, turn),
+        world=world,
+        gains={name: lane.pack() for name, lane in experiment.lanes.items()},
+        model=build_model(robot),
+        nominal=nominal_model(robot, experiment.disturbance.nominal_mismatch),
+    )

@@ -1,0 +1,126 @@
+"""The simulation's section of an experiment: mode, step, rate, delay, horizon, initial state."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from slidetune.robot.fields.quantity import Integer, Number, PerJoint, Section, field, refusal
+
+MAX_STEPS = 200_000
+"""Most steps of one run (*ours*): 200 s at 1 kHz, about 80 MB of results a lane."""
+
+
+class Simulation(Section):
+    """How the closed loop is computed."""
+
+    mode: Literal["continuous", "sampled"] = field(
+        "continuous",
+        title="Mode",
+        source="published",
+        meaning="continuous: the controller is part of the differential equation, as in the paper; "
+        "sampled: it runs at its own rate and holds its torque, as on a real arm.",
+    )
+    step: Number = field(
+        0.001,
+        title="Step",
+        symbol="h",
+        unit="s",
+        low=0.00005,
+        high=0.005,
+        step=0.0001,
+        scale="log",
+        applies="continuous",
+        meaning="Step of the integration.",
+    )
+    scheme: Literal["extrapolated", "plain"] = field(
+        "extrapolated",
+        title="Scheme",
+        applies="continuous",
+        meaning="extrapolated: two half steps against a whole one, a hundred times as exact; "
+        "plain: one linearly implicit step, faster.",
+    )
+    control_rate: Number = field(
+        1000.0,
+        title="Control rate",
+        unit="Hz",
+        low=50.0,
+        high=10000.0,
+        step=10.0,
+        scale="log",
+        applies="sampled",
+        meaning="How often the controller measures and sets a torque.",
+    )
+    plant_substeps: Integer = field(
+        10,
+        title="Steps of the arm",
+        low=1,
+        high=200,
+        step=1,
+        applies="sampled",
+        meaning="Steps of the arm within one control period.",
+    )
+    input_delay: Number = field(
+        0.0,
+        title="Input delay",
+        unit="s",
+        low=0.0,
+        high=0.05,
+        step=0.0001,
+        applies="sampled",
+        meaning="Time from a measurement to its torque at the joint.",
+    )
+    horizon: Number = field(
+        10.0,
+        title="Horizon",
+        unit="s",
+        low=0.1,
+        high=120.0,
+        step=0.5,
+        source="published",
+        meaning="Length of a whole run.",
+    )
+    initial_velocity: Literal["desired", "rest"] = field(
+        "desired",
+        title="Initial velocity",
+        source="inferred",
+        meaning="Whether the arm starts with the desired velocity or at rest.",
+    )
+    initial_error: PerJoint = field(
+        0.0,
+        title="Initial error",
+        symbol="e(0)",
+        unit="rad",
+        low=-1.0,
+        high=1.0,
+        step=0.01,
+        meaning="Desired minus actual angle at the start.",
+    )
+
+    @property
+    def row_period(self) -> float:
+        """Time between two rows of a result in [s]."""
+        return self.step if self.mode == "continuous" else 1.0 / self.control_rate
+
+    @property
+    def hold(self) -> float:
+        """For so long a torque is held in [s]; 0 where nothing is sampled."""
+        return self.row_period if self.mode == "sampled" else 0.0
+
+    @property
+    def delay(self) -> tuple[int, int]:
+        """Input delay as whole control periods and the steps of the arm beyond them."""
+        steps = round(self.input_delay * self.control_rate * self.plant_substeps)
+        return divmod(steps, self.plant_substeps)
+
+    @model_validator(mode="after")
+    def _not_too_long(self) -> Simulation:
+        steps = self.horizon / self.row_period
+        if steps > MAX_STEPS:
+            text = (
+                f"horizon takes {steps:.0f} steps, at most {MAX_STEPS}: shorten it, or lengthen "
+                "the step or lower the control rate"
+            )
+            raise refusal("horizon", self.horizon, text)
+        return self

@@ -1,0 +1,201 @@
+"""What every law's kernel does before and after its own torque: the closed loop's common part.
+
+Continuous mode asks for one stage (PLAIN) or two (FIRST at t, SECOND at t + h/2) a step; sampled
+mode for one ``observe`` and ``command`` a control period and several ``plant_step``.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+from slidetune.robot.environment.disturbance import (
+    LIMIT,
+    changes_within_a_step,
+    disturbance_torque,
+    external_torque,
+    measure,
+)
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.implicit_step import (
+    REFUSED,
+    STUCK,
+    TOLERANCE_V,
+    accept,
+    arm_step,
+    implicit_step,
+    step_error,
+    unsolved,
+    within_bounds,
+)
+from slidetune.robot.integrator.kernel_arrays import loop_arrays, settings
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import (
+    CURRENT,
+    DISTURBANCE,
+    DISTURBANCE_HALF,
+    EDGE,
+    ERRORS,
+    FLAGS,
+    FULL,
+    HALF,
+    HELD,
+    HELD_TORQUE,
+    HIDDEN,
+    LEAKAGE,
+    LEARNING,
+    MEASURED_Q,
+    MEASURED_V,
+    NETWORK,
+    NODES,
+    PASSED,
+    QD,
+    SLIDING,
+    TAU,
+    VD,
+    WRONG,
+    F,
+    Q,
+    S,
+    V,
+    W,
+)
+from slidetune.robot.motion.trajectory import reference
+
+PLAIN, FIRST, SECOND = 0, 1, 2
+
+
+@kernel
+def begin(t, wiring):  # type: ignore[no-untyped-def]
+    """Evaluate the desired motion and the world at the state of a stage; return its first row."""
+    stage, h, _ = settings(wiring)
+    _, _, world, trajectory, work, _ = loop_arrays(wiring)
+    base = HALF if stage == SECOND else CURRENT
+    reference(t, trajectory, work)
+    if stage == FIRST and changes_within_a_step(world):
+        disturbance_torque(t, 0.5 * h, world, work)
+        for j in range(JOINTS):
+            work[DISTURBANCE_HALF, j] = work[DISTURBANCE, j]
+    external_torque(t, 0.5 * h if stage == SECOND else h, base, world, work)
+    for j in range(JOINTS):
+        work[MEASURED_Q, j] = work[base + Q, j]
+        work[MEASURED_V, j] = work[base + V, j]
+    return base
+
+
+@kernel
+def write_record(row, world, work, record):  # type: ignore[no-untyped-def]
+    """Record the current state and what the law said of it, in the order of ``RECORD``."""
+    for j in range(JOINTS):
+        squares = 0.0
+        for n in range(NODES):
+            squares += work[CURRENT + W + n, j] ** 2
+        limit = world[LIMIT, j]
+        record[row, j] = work[CURRENT + Q, j]
+        record[row, JOINTS + j] = work[CURRENT + V, j]
+        record[row, 2 * JOINTS + j] = min(max(work[TAU, j], -limit), limit)
+        record[row, 3 * JOINTS + j] = work[S, j]
+        record[row, 4 * JOINTS + j] = work[NETWORK, j]
+        record[row, 5 * JOINTS + j] = squares**0.5
+        record[row, 6 * JOINTS + j] = work[QD, j]
+        record[row, 7 * JOINTS + j] = work[VD, j]
+
+
+@kernel
+def finish(row, wiring):  # type: ignore[no-untyped-def]
+    """Record (but for SECOND) and integrate one stage.
+
+    Args:
+        row: row of the record to write; below 0 none.
+        wiring: the lane's wiring; its workspace holds the evaluation of the law, its step is
+            the whole step for every stage.
+
+    Returns:
+        0, 1 + the joint that left its bounds, or REFUSED or STUCK where the step has to be cut.
+    """
+    stage, h, tolerance = settings(wiring)
+    inertia, bias, world, _, work, record = loop_arrays(wiring)
+    if stage == SECOND:
+        left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, world, work)
+        if unsolved(left, tolerance, work):
+            return STUCK
+        work[ERRORS, WRONG] = step_error(h, tolerance, work)
+        if work[ERRORS, WRONG] > tolerance:
+            return REFUSED
+        return accept(True, work)
+    if row >= 0:
+        write_record(row, world, work, record)
+    if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
+        return REFUSED
+    work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
+    left = implicit_step(h, CURRENT, FULL, inertia, bias, world, work)
+    if row >= 0 and work[FLAGS, HELD] != 0.0:
+        _record_held_torque(row, work, record)
+    if unsolved(left, tolerance, work):
+        return STUCK
+    if stage == PLAIN:
+        if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
+            return REFUSED
+        return accept(False, work)
+    if changes_within_a_step(world):
+        for j in range(JOINTS):
+            work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]
+    left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, world, work)
+    if unsolved(left, tolerance, work):
+        return STUCK
+    return within_bounds(HALF, work)
+
+
+@kernel
+def _record_held_torque(row, work, record):  # type: ignore[no-untyped-def]
+    """Record the torque that holds a joint on S = 0: sign(S) alone does not tell it there."""
+    for j in range(JOINTS):
+        if work[SLIDING, j] != 0.0:
+            record[row, 2 * JOINTS + j] = work[HELD_TORQUE, j]
+
+
+@kernel
+def observe(t, sample, wiring):  # type: ignore[no-untyped-def]
+    """Evaluate the desired motion at ``t`` and measure the current state, with sensor noise."""
+    _, _, world, trajectory, work, _ = loop_arrays(wiring)
+    reference(t, trajectory, work)
+    measure(sample, world, work)
+
+
+@kernel
+def command(row, wiring):  # type: ignore[no-untyped-def]
+    """Record, limit the torque and let the network learn for one control period, the step.
+
+    Returns:
+        0, or 1 + the joint whose torque or weights are no longer finite.
+    """
+    _, period, _ = settings(wiring)
+    _, _, world, _, work, record = loop_arrays(wiring)
+    write_record(row, world, work, record)
+    for j in range(JOINTS):
+        limit = world[LIMIT, j]
+        work[TAU, j] = min(max(work[TAU, j], -limit), limit)
+        if not abs(work[TAU, j]) < 1e12:
+            return j + 1
+        gain, leak = period * work[LEARNING, j] * work[S, j], period * work[LEAKAGE, j]
+        for n in range(NODES):
+            weight = work[CURRENT + W + n, j]
+            work[CURRENT + W + n, j] = weight + gain * work[HIDDEN + n, j] - leak * weight
+    return within_bounds(CURRENT, work)
+
+
+@kernel
+def plant_step(t, wiring):  # type: ignore[no-untyped-def]
+    """One step of the arm alone under the torque APPLIED, implicit in friction.
+
+    Args:
+        t: time in [s].
+        wiring: the arm's wiring.
+
+    Returns:
+        0, or 1 + the joint that left its bounds; the current state is then untouched.
+    """
+    _, h, _ = settings(wiring)
+    inertia, bias, world, _, work, _ = loop_arrays(wiring)
+    external_torque(t, h, CURRENT, world, work)
+    unsolved(arm_step(h, inertia, bias, world, work), inf, work)
+    return accept(False, work)

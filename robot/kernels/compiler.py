@@ -1,0 +1,121 @@
+"""How the numerical kernels are compiled: once per version of this package, kept on disk.
+
+Numba notices a change in a function's own file but not in the functions that it calls, so the
+folder of the cache carries a digest of all kernels: an edited one is never run stale.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import platformdirs
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+KEPT = 6
+"""Versions whose compiled kernels are kept, about 3 MB each (*ours*)."""
+_HANDED_ON = "SLIDETUNE_KERNELS"
+"""Environment variable by which a process tells those that it starts of its temporary folder."""
+_ROBOT = Path(__file__).parents[1]
+_CONSTANTS = ("fields/quantity.py", "kernels/workspace.py", "kernels/compiler.py")
+"""Files without kernels whose numbers are compiled into them."""
+
+
+def _digest() -> str:
+    # The place counts too: numba keeps what it compiled by the path of the source.
+    digest = hashlib.sha256(f"{numba.__version__} {Path(__file__)}".encode())
+    for path in sorted(_ROBOT.rglob("*.py")):
+        content = path.read_bytes()
+        if b"@kernel" in content or path.relative_to(_ROBOT).as_posix() in _CONSTANTS:
+            digest.update(content)
+    return digest.hexdigest()[:16]
+
+
+def _forget_old(cache: Path) -> None:
+    """Remove what other versions compiled, but for the last few: several may be in use."""
+    cache.touch()
+    others = sorted(cache.parent.iterdir(), key=lambda path: path.stat().st_mtime)
+    for old in others[:-KEPT]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _folder() -> Path:
+    name = _digest()
+    cache = Path(platformdirs.user_cache_dir("slidetune")) / "kernels" / name
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        _forget_old(cache)
+    except OSError:  # a read-only home: compile into a folder that lives until the next restart
+        cache = _temporary() / name
+        cache.mkdir(exist_ok=True)
+    return cache
+
+
+def _temporary() -> Path:
+    """Return a temporary folder of this user's alone: numba runs what it finds there.
+
+    Where somebody else made the one of the usual name first, it is a new one, which this process
+    and those that it starts use.
+    """
+    usual = Path(tempfile.gettempdir()) / f"slidetune-{os.getuid()}"
+    with suppress(OSError):
+        usual.mkdir(mode=0o700)
+    for folder in (usual, Path(os.environ.get(_HANDED_ON) or usual)):
+        if _is_private(folder):
+            return folder
+    made = tempfile.mkdtemp(prefix="slidetune-")
+    os.environ[_HANDED_ON] = made
+    atexit.register(shutil.rmtree, made, ignore_errors=True)
+    return Path(made)
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether a folder is this user's, and no link, and closed to everybody else."""
+    try:
+        about = folder.lstat()
+    except OSError:
+        return False
+    return (
+        stat.S_ISDIR(about.st_mode)
+        and about.st_uid == os.getuid()
+        and not stat.S_IMODE(about.st_mode) & 0o077
+    )
+
+
+CACHE = _folder()
+"""Folder of the compiled kernels of this very version."""
+
+_WARM = CACHE / "warm"
+
+numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
+
+
+def kernel(function: Function) -> Function:
+    """Compile ``function`` and keep the result on disk.
+
+    It keeps the interpreter's lock: it ends long before another thread would be given a turn, and
+    a thread that steps in real time would have to ask for the lock again after each call.
+    """
+    compiled: Any = numba.njit(cache=True, error_model="numpy")(function)
+    return cast(Function, compiled)
+
+
+def is_warm() -> bool:
+    """Tell whether all kernels of this version have been compiled once."""
+    return _WARM.exists()
+
+
+def mark_warm() -> None:
+    """Remember that all kernels have been compiled."""
+    _WARM.touch()

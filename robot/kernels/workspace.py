@@ -1,0 +1,99 @@
+"""Rows of the arrays that the compiled kernels share.
+
+A numba call pays for every argument, so that one lane's numbers live in few arrays of six columns,
+one column a joint. This module names their rows; nothing else knows where a number lies.
+"""
+
+from __future__ import annotations
+
+from slidetune.robot.fields.quantity import JOINTS
+
+NODES = 10
+"""Gaussians per joint (*published*)."""
+
+# --- the state: angle, velocity, weights -------------------------------------------------------
+Q = 0  # joint angle [rad]
+V = 1  # joint velocity [rad/s]
+W = 2  # network weights, NODES rows
+STATE_ROWS = 2 + NODES
+
+CURRENT = 0  # state at the beginning of the step
+FULL = STATE_ROWS  # after one whole step
+HALF = 2 * STATE_ROWS  # after half a step
+
+# --- one evaluation of the loop ----------------------------------------------------------------
+QD = 3 * STATE_ROWS  # desired angle [rad]
+VD = QD + 1  # desired velocity [rad/s]
+AD = QD + 2  # desired acceleration [rad/s^2]
+F = QD + 3  # torque lost to the world: disturbance and friction [N m]
+F_SLOPE = QD + 4  # dF/dv [N m s/rad]
+PUSH = QD + 5  # torque by which a person pushes the arm [N m], set from outside
+TAU = QD + 6  # controller torque [N m]
+S = QD + 7  # sliding variable [rad/s]
+S_V = QD + 8  # dS/d(de)
+S_E = QD + 9  # dS/de [1/s]
+GAIN = QD + 10  # slope of the reaching law at S [N m s/rad]
+NETWORK = QD + 11  # network output f [N m]
+NETWORK_SLOPE = QD + 12  # phi * sum of squared hidden outputs
+LEARNING = QD + 13  # learning rate phi
+LEAKAGE = QD + 14  # leakage sigma [1/s]
+MEASURED_Q = QD + 15  # angle that the controller sees [rad]
+MEASURED_V = QD + 16  # velocity that the controller sees [rad/s]
+APPLIED = QD + 17  # torque that reaches the joints [N m]
+REACH = QD + 18  # reaching law, before SHAPE [N m, or rad/s^2 where SHAPE is an inertia]
+FLAGS = QD + 19  # columns SHAPED and HOLD below
+HIDDEN = QD + 20  # hidden outputs, NODES rows
+SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
+CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see robot.switching
+CURVE_ROWS = 5
+TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
+TERMINAL_MU = TERMINAL_C + 1  # its mu
+TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
+
+SHAPED = 0  # column of FLAGS: whether SHAPE is in use
+HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
+HELD = 2  # column of FLAGS: whether a joint is SLIDING
+BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
+
+# --- one implicit step ---------------------------------------------------------------------------
+MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix
+RIGHT = MATRIX + JOINTS  # its right-hand side
+DIAGONAL = RIGHT + 1  # its diagonal, before elimination
+ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]
+S_FREE = RIGHT + 3  # S at the end of the step if a were 0 [rad/s]
+S_FALL = RIGHT + 4  # by how much S at the end falls per unit of a [s]
+GIVEN = RIGHT + 5  # torque of the controller without its reaching law [N m]
+LOST = RIGHT + 6  # torque lost to the world without Coulomb friction [N m]
+LOAD = RIGHT + 7  # torque that a joint's own curve is asked to balance [N m]
+YIELD = RIGHT + 8  # da/d(LOAD) of a joint alone: 0 where it is held on its surface
+RESIDUAL = RIGHT + 9  # what the equation of a joint leaves [N m]
+SLIDING = RIGHT + 10  # whether a joint is held on S = 0 by a set-valued torque
+HELD_TORQUE = RIGHT + 11  # the torque that holds it there [N m]
+LEARNT = RIGHT + 12  # what a step adds to the weight of a node that is fully active [N m]
+KEPT = RIGHT + 13  # share of a weight that a step leaves [-]
+TRIAL = RIGHT + 14  # a backup of LOAD while a Newton step is tried [N m]
+DISTURBANCE = RIGHT + 15  # mean of the disturbance over the step, less the push [N m]
+DISTURBANCE_HALF = RIGHT + 16  # the same over its first half, where that differs [N m]
+
+# --- what a lane remembers of its steps ----------------------------------------------------------
+CHANGE_Q = DISTURBANCE_HALF + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
+CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
+TALLY = CHANGE_Q + 2  # columns below
+MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state
+ERRORS = CHANGE_Q + 3  # columns below
+WORK_ROWS = CHANGE_Q + 4
+
+KNOWN = 0  # column of TALLY: whether CHANGE holds something
+UNSOLVED = 1  # column of TALLY: steps whose equation was not solved to its tolerance
+LEFT = 2  # column of TALLY: what the equations of one step left at most [rad/s]
+CAPPED = 3  # column of TALLY: rows in which the step was not cut as far as its error asked
+CUT = 4  # column of TALLY: rows in which the step was cut
+WRONG = 0  # column of ERRORS: error of the last step as a multiple of what it may be
+PASSED = 2  # column of ERRORS: velocity that a passage through a thin layer leaves open [rad/s]
+EDGE = 3  # column of ERRORS: whether a pulse begins or ends within the step
+RESIGNED = 4  # column of ERRORS: whether a step that isn't solved may not be cut any more
+OVER = 1  # column of ERRORS: the same of the parts of a row that could not be cut further
+
+# --- one recorded row of a lane: groups of six columns -----------------------------------------
+RECORD = ("q", "v", "tau", "S", "f", "weights", "q_d", "v_d")
+RECORD_COLUMNS = len(RECORD) * JOINTS

@@ -1,0 +1,199 @@
+"""Switching functions and reaching laws: value and slope.
+
+e = q_d - q, so that a positive sliding variable asks for a positive torque.
+"""
+
+from __future__ import annotations
+
+from math import copysign, tanh
+from typing import Literal
+
+import numpy as np
+
+from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, GAIN, REACH, S
+
+Array = np.ndarray
+
+Switching = Literal["tanh", "saturation", "sign"]
+Reaching = Literal["exponential", "constant", "power"]
+
+SWITCHINGS: tuple[Switching, ...] = ("tanh", "saturation", "sign")
+REACHINGS: tuple[Reaching, ...] = ("exponential", "constant", "power")
+
+HELD = 1e-3
+"""|S| that counts as held at zero by sign in [rad/s] (*ours*). Continuous mode holds it to 5e-6 at
+steps of 1 ms, and to 1.3e-4 at the longest, 5 ms."""
+
+TANH, SATURATION, SIGN = 0, 1, 2
+EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
+
+K1, K2, EPSILON, ALPHA, CODES = range(CURVE_ROWS)
+# Columns of the row CODES: two codes, and whether this is a reaching law at all.
+SWITCHING_CODE, REACHING_CODE, IS_REACHING = range(3)
+
+
+class ReachingGains(Section):
+    """Reaching law of a lane (Eq. 10-13)."""
+
+    k1: PerJoint = field(
+        150.0,
+        title="Proportional reaching gain",
+        symbol="k₁",
+        unit="N·m·s/rad",
+        low=0.0,
+        high=1000.0,
+        step=1.0,
+        equation="Eq. 13",
+        group="Reaching",
+        needs={"reaching": ("exponential", "power")},
+        source="published",
+        meaning="Torque per unit of the sliding variable: how hard the loop is drawn to S = 0.",
+    )
+    k2: PerJoint = field(
+        150.0,
+        title="Switching gain",
+        symbol="k₂",
+        unit="N·m",
+        low=0.0,
+        high=1000.0,
+        step=1.0,
+        equation="Eq. 13",
+        group="Reaching",
+        needs={"reaching": ("exponential", "constant")},
+        source="published",
+        meaning="Greatest torque of the switching term: what it can hold against a disturbance.",
+    )
+    epsilon: PerJoint = field(
+        1.0,
+        title="Boundary layer",
+        symbol="ε",
+        unit="rad/s",
+        low=1e-4,
+        high=10.0,
+        step=0.01,
+        scale="log",
+        equation="Eq. 13",
+        group="Reaching",
+        needs={"switching": ("tanh", "saturation")},
+        source="published",
+        meaning="Width over which tanh and saturation pass from -1 to 1; sign ignores it.",
+    )
+    switching: Switching = field(
+        "tanh",
+        title="Switching function",
+        symbol="sw",
+        equation="Eq. 13",
+        group="Reaching",
+        source="published",
+        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters "
+        "where the loop is sampled and holds S at zero where it is continuous.",
+    )
+    reaching: Reaching = field(
+        "exponential",
+        title="Reaching law",
+        equation="Eq. 10-13",
+        group="Reaching",
+        source="published",
+        meaning="Exponential k₁S + k₂sw(S) (Eq. 11; with tanh Eq. 13), constant k₂sw(S) (Eq. 10) "
+        "or power k₁|S|^α sw(S) (Eq. 12).",
+    )
+    alpha: Number = field(
+        0.5,
+        title="Power of the reaching law",
+        symbol="α",
+        low=0.05,
+        high=0.95,
+        step=0.05,
+        equation="Eq. 12",
+        group="Reaching",
+        needs={"reaching": ("power",)},
+        meaning="Exponent of the power reaching law; the other two ignore it.",
+    )
+
+    @property
+    def layer(self) -> PerJoint:
+        """Within which S counts as reached in [rad/s]; ``sign`` has no layer of width epsilon."""
+        return HELD if self.switching == "sign" else self.epsilon
+
+    def pack_reaching(self) -> Array:
+        """Return the reaching law as numbers. Shape (5, 6)."""
+        block = np.zeros((CURVE_ROWS, JOINTS))
+        block[K1], block[K2], block[EPSILON], block[ALPHA] = (
+            self.k1,
+            self.k2,
+            self.epsilon,
+            self.alpha,
+        )
+        codes = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching), 1.0
+        block[CODES, : len(codes)] = codes
+        return block
+
+
+@kernel
+def switch(code, s, epsilon):  # type: ignore[no-untyped-def]
+    r"""Switching function and its slope.
+
+    .. math:: \tanh(S/\epsilon), \quad \operatorname{clip}(S/\epsilon, -1, 1), \quad
+        \operatorname{sign}(S)
+
+    Args:
+        code: TANH, SATURATION or SIGN.
+        s: sliding variable of one joint in [rad/s].
+        epsilon: boundary layer in [rad/s].
+
+    Returns:
+        Value [-] and slope in [s/rad]; the slope of sign is 0.
+    """
+    if code == TANH:
+        value = tanh(s / epsilon)
+        return value, (1.0 - value * value) / epsilon
+    if code == SATURATION:
+        if abs(s) < epsilon:
+            return s / epsilon, 1.0 / epsilon
+        return copysign(1.0, s), 0.0
+    return (0.0 if s == 0.0 else copysign(1.0, s)), 0.0
+
+
+@kernel
+def reaching(block, j, s):  # type: ignore[no-untyped-def]
+    r"""Reaching law of one joint (Liu et al. 2025, Eq. 10-13) and its slope.
+
+    .. math:: k_1 S + k_2\,\mathrm{sw}(S), \quad k_2\,\mathrm{sw}(S), \quad
+        k_1 |S|^\alpha\,\mathrm{sw}(S)
+
+    Args:
+        block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
+        j: which joint, from 0.
+        s: its sliding variable in [rad/s].
+
+    Returns:
+        Value [N m] and slope [N m s/rad].
+    """
+    law, k1, k2 = block[CODES, REACHING_CODE], block[K1, j], block[K2, j]
+    value, slope = switch(block[CODES, SWITCHING_CODE], s, block[EPSILON, j])
+    if law == EXPONENTIAL:
+        return k1 * s + k2 * value, k1 + k2 * slope
+    if law == CONSTANT:
+        return k2 * value, k2 * slope
+    size, alpha = max(abs(s), 1e-12), block[ALPHA, j]
+    power = k1 * size**alpha
+    return power * value, power * (slope + alpha * abs(value) / size)
+
+
+@kernel
+def reach(block, work):  # type: ignore[no-untyped-def]
+    """Reaching law of every joint: value into REACH, slope into GAIN, the law itself into CURVE.
+
+    Args:
+        block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
+        work: workspace; reads S.
+    """
+    # Once after the lane was bound: its gains stay as they are until it is bound anew.
+    if work[CURVE + CODES, IS_REACHING] == 0.0:
+        for row in range(CURVE_ROWS):
+            for j in range(JOINTS):
+                work[CURVE + row, j] = block[row, j]
+    for j in range(JOINTS):
+        work[REACH, j], work[GAIN, j] = reaching(block, j, work[S, j])

@@ -1,0 +1,263 @@
+"""What a lesson says in numbers, each of which a run can confirm or deny."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import pack
+from slidetune.robot.fields.quantity import JOINTS, Section, refusal
+from slidetune.robot.kernels.workspace import NODES
+from slidetune.robot.laws.terms.network import NetworkGains
+from slidetune.robot.loop.metrics import Metrics
+from slidetune.robot.loop.simulate import LaneRun, Run
+from slidetune.robot.margins.margin import margin_limit, worst_margin
+
+Array = np.ndarray
+
+Metric = Literal[
+    "mean_error",
+    "max_error",
+    "error_at",
+    "reaching_time",
+    "peak_torque",
+    "chattering",
+    "sign_changes",
+    "high_frequency_torque",
+    "flange_rms",
+    "flange_max",
+    "sampling_margin",
+    "margin_limit",
+    "time_constant",
+    "integral_gain",
+    "network_stiffness",
+    "proportional_share",
+    "least_gaussian",
+    "integrator_gap",
+]
+
+LOOSEST = 0.025
+"""Greatest relative error of a number that a lesson quotes (*ours*)."""
+
+Bound = Literal["about", "at_least", "at_most"]
+BOUNDS: tuple[Bound, ...] = ("about", "at_least", "at_most")
+
+
+class Claim(Section):
+    """One number of a lesson: what a run of the step's experiment has to show."""
+
+    name: str = Field(pattern=r"[a-z][a-z0-9_]*", description="By which texts quote it.")
+    metric: Metric
+    lane: str
+    joint: int | None = Field(None, ge=1, le=JOINTS, description="None: the mean of all joints.")
+    since: float = Field(0.0, ge=0.0, description="Begin of what is measured [s].")
+    at: float | None = Field(None, ge=0.0, description="Instant of ``error_at`` [s].")
+    than: str = Field("", description="Another claim: this one is how many times as great.")
+    about: float | None = Field(None, description="As exact as it is written.")
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _one_bound(self) -> Claim:
+        given = [name for name in BOUNDS if getattr(self, name) is not None]
+        if len(given) != 1:
+            text = f"needs exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
+            raise refusal("name", self.name, text)
+        if (self.metric == "error_at") != (self.at is not None):
+            raise refusal("at", self.at, "error_at needs an instant in [s], and nothing else does")
+        return self
+
+    @property
+    def bound(self) -> Bound:
+        """Which of the three bounds is given."""
+        return next(name for name in BOUNDS if getattr(self, name) is not None)
+
+    @property
+    def quoted(self) -> float:
+        """The number as texts quote it, in ``unit``."""
+        return float(getattr(self, self.bound))
+
+    @property
+    def unit(self) -> str:
+        """Unit in which it is quoted, empty for none."""
+        return "times" if self.than else METRICS[self.metric].unit
+
+    def holds(self, measured: float) -> bool:
+        """Whether a measured value confirms it."""
+        if self.bound == "at_least":
+            return measured >= self.quoted
+        if self.bound == "at_most":
+            return measured <= self.quoted
+        exponent = Decimal(repr(self.quoted)).normalize().as_tuple().exponent
+        written = 0.5 * 10.0 ** int(exponent)
+        return abs(measured - self.quoted) <= min(written, LOOSEST * abs(self.quoted)) * (1 + 1e-9)
+
+
+@dataclass(frozen=True)
+class Look:
+    """Where a metric looks: one lane of one run."""
+
+    run: Run
+    claim: Claim
+
+    @property
+    def lane(self) -> LaneRun:
+        """What the lane did."""
+        return self.run.lanes[self.claim.lane]
+
+    @property
+    def gains(self) -> Any:
+        """The lane's section of the experiment."""
+        return self.run.experiment.lanes[self.claim.lane]
+
+    @property
+    def figures(self) -> Metrics:
+        """The lane's figures since ``claim.since``."""
+        return self.lane.metrics_since(self.claim.since)
+
+    def of_joint(self, values: object) -> float:
+        """Return the claim's joint of one or six values, or the mean of all."""
+        six = np.broadcast_to(np.asarray(values, dtype=float), JOINTS)
+        return float(six.mean() if self.claim.joint is None else six[self.claim.joint - 1])
+
+
+@dataclass(frozen=True)
+class LessonMetric:
+    """Something that a claim can be about.
+
+    Attributes:
+        unit: unit of the value, empty for none.
+        value: works it out.
+        label: what it is called beside a live one; empty where it follows from the gains alone.
+    """
+
+    unit: str
+    value: Callable[[Look], float]
+    label: str = ""
+
+
+def _error_at(look: Look) -> float:
+    row = int(np.searchsorted(look.run.time, (look.claim.at or 0.0) - 1e-9))
+    return 1e3 * look.of_joint(np.abs(look.lane.e[row]))
+
+
+def _reaching_time(look: Look) -> float:
+    """Return when S was reached, infinite where it never was, NaN where the lane had ended."""
+    if np.isnan(look.figures.mae).any():
+        return np.nan
+    return look.of_joint([np.inf if t is None else t for t in look.figures.reaching_time])
+
+
+def _high_frequency_torque(look: Look) -> float:
+    value = look.figures.high_frequency_torque
+    return np.nan if value is None else value
+
+
+def _sign_changes(look: Look) -> float:
+    """Return at how many of the rows S has another sign than at the one before, in percent."""
+    S = look.lane.S[look.run.time >= look.claim.since]
+    if not np.isfinite(S).all():
+        return np.nan  # the lane ended: what came after is neither a change nor none
+    positive = S > 0.0
+    return 100.0 * look.of_joint((positive[1:] != positive[:-1]).mean(axis=0))
+
+
+def _only_lane(look: Look) -> Experiment:
+    name = look.claim.lane
+    return look.run.experiment.model_copy(update={"lanes": {name: look.gains}})
+
+
+def _sampling_margin(look: Look) -> float:
+    return worst_margin(pack(_only_lane(look)), look.claim.lane)
+
+
+def _gaussians(gains: NetworkGains, error: Array) -> Array:
+    """Return h of every node (Eq. 19) at one error a joint. Shape (10, 6)."""
+    distance = error - gains.centers()[:, None]
+    return np.asarray(np.exp(-0.5 * np.square(distance / np.asarray(gains.width))))
+
+
+def _least_gaussian(look: Look) -> float:
+    worst = np.abs(look.lane.e).max(axis=0)
+    return look.of_joint(_gaussians(look.gains, worst).min(axis=0))
+
+
+def _integral_gain(gains: NetworkGains) -> Array:
+    r"""Return :math:`\varphi\sum_j h_j^2`: how fast f follows S near e = 0. Shape (6,)."""
+    squares = np.square(_gaussians(gains, np.zeros(JOINTS))).sum(axis=0)
+    return np.asarray(np.asarray(gains.learning_rate) * squares)
+
+
+def _network_stiffness(gains: Any) -> Array:
+    r"""Return :math:`c\,\varphi\sum_j h_j^2`: f follows e so, as S holds c de. Shape (6,)."""
+    return np.asarray(np.asarray(gains.c) * _integral_gain(gains))
+
+
+def _proportional_share(look: Look) -> float:
+    r"""Return how much of f is proportional to e, in percent.
+
+    The part :math:`p = c\,\varphi\sum_j h_j^2\,(e - e(0))` is projected on f: its share and that of
+    the rest add up.
+
+    .. math:: 100\,\frac{\int p f\,dt}{\int f^2\,dt}
+    """
+    f, part = look.lane.f, _network_stiffness(look.gains) * (look.lane.e - look.lane.e[0])
+    return 100.0 * look.of_joint((part * f).sum(axis=0) / np.square(f).sum(axis=0))
+
+
+def _integrator_gap(look: Look) -> float:
+    r"""Return how far f is from :math:`10\,\varphi\int S\,dt`, in percent of its greatest value."""
+    period, S = look.run.time[1], look.lane.S
+    integral = np.vstack([np.zeros(JOINTS), np.cumsum(0.5 * period * (S[1:] + S[:-1]), axis=0)])
+    gap = np.abs(look.lane.f - NODES * np.asarray(look.gains.learning_rate) * integral)
+    return 100.0 * look.of_joint(gap.max(axis=0)) / look.of_joint(np.abs(look.lane.f).max(axis=0))
+
+
+METRICS: dict[Metric, LessonMetric] = {
+    "mean_error": LessonMetric(
+        "mrad", lambda look: 1e3 * look.of_joint(look.figures.mae), "mean |e|"
+    ),
+    "max_error": LessonMetric(
+        "mrad", lambda look: 1e3 * look.of_joint(look.figures.max_error), "greatest |e|"
+    ),
+    "error_at": LessonMetric("mrad", _error_at, "|e|"),
+    "reaching_time": LessonMetric("s", _reaching_time, "reaching time"),
+    "peak_torque": LessonMetric(
+        "N·m", lambda look: look.of_joint(look.figures.peak_torque), "greatest |τ|"
+    ),
+    "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering, "chattering"),
+    "sign_changes": LessonMetric("%", _sign_changes, "side changes of S"),
+    "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque, "torque above 50 Hz"),
+    "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms, "flange RMS"),
+    "flange_max": LessonMetric(
+        "mm", lambda look: 1e3 * look.figures.flange_max, "greatest flange error"
+    ),
+    "sampling_margin": LessonMetric("", _sampling_margin, "γ"),
+    "margin_limit": LessonMetric(
+        "", lambda look: margin_limit(look.run.experiment.simulation), "γ border"
+    ),
+    "time_constant": LessonMetric(
+        "s", lambda look: look.of_joint(np.divide(look.gains.c, look.gains.nu))
+    ),
+    "integral_gain": LessonMetric(
+        "N·m/rad", lambda look: look.of_joint(_integral_gain(look.gains))
+    ),
+    "network_stiffness": LessonMetric(
+        "N·m/rad", lambda look: look.of_joint(_network_stiffness(look.gains))
+    ),
+    "proportional_share": LessonMetric("%", _proportional_share),
+    "least_gaussian": LessonMetric("", _least_gaussian),
+    "integrator_gap": LessonMetric("%", _integrator_gap),
+}
+"""What a claim can be about, by name."""
+
+
+def measured(claim: Claim, run: Run) -> float:
+    """Return what a run shows for a claim, in the metric's unit, before any ``than``."""
+    return METRICS[claim.metric].value(Look(run, claim))

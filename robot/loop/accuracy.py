@@ -1,0 +1,148 @@
+"""How good the numbers of a run are: the error that is left in them, by a second, coarser run."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import ceil, log10
+from typing import Any
+
+import numpy as np
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
+from slidetune.robot.fields.quantity import bounds
+
+Array = np.ndarray
+
+GOOD = 1e-3
+"""Error of an angle from which on a run says so in words in [rad] (*ours*)."""
+LOOSER = 8.0
+"""How many times its tolerance a step of the second run may be off: the error of a step falls with
+the third power of its length, so that the second run is cut into pieces twice as long."""
+ROUGH = 0.02
+"""Share of rows that were not cut far enough from which on a run says so in words (*ours*)."""
+SAFETY = 3.0
+"""By how much finer than estimated the step is that a remark proposes (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How good a run is.
+
+    Attributes:
+        error_estimate: greatest error of any joint's angle over the run in [rad], estimated;
+            ``None`` where nobody asked for it.
+        unconverged: steps whose equation was not solved to its tolerance.
+        capped: rows whose step was not cut as far as its own error asked.
+        remark: what is wrong and what would help, in words, or an empty text.
+        patch: a merge patch that sets what would help, or ``None``.
+    """
+
+    error_estimate: float | None = None
+    unconverged: int = 0
+    capped: int = 0
+    remark: str = ""
+    patch: dict[str, Any] | None = None
+
+    def document(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+def second_run(experiment: Experiment) -> tuple[Experiment, int, float]:
+    """Return the experiment whose run tells the error of an experiment's own.
+
+    In continuous mode it has twice the step. In sampled mode the arm has half as many steps, or
+    twice as many where fewer could not hold the same input delay.
+
+    Returns:
+        The experiment, to be run and not to be shown: its step may be past the field's bound; how
+        many rows of the first run make one of the second; the error of the first run as a multiple
+        of the difference, if it falls with the step (where it falls with its square, it is less).
+    """
+    simulation = experiment.simulation
+    if simulation.mode == "continuous":
+        # The plain scheme damps what it can't follow, in both runs: that hides half of its error.
+        share = 1.0 if simulation.scheme == "extrapolated" else 2.0
+        return _with(experiment, step=2.0 * simulation.step), 2, share
+    substeps = simulation.plant_substeps
+    _, part = simulation.delay
+    exact = abs(simulation.input_delay * simulation.control_rate * substeps % 1.0) < 1e-6
+    if substeps % 2 == 0 and part % 2 == 0 and exact:
+        return _with(experiment, plant_substeps=substeps // 2), 1, 1.0
+    return _with(experiment, plant_substeps=2 * substeps), 1, 2.0
+
+
+def _with(experiment: Experiment, **changes: Any) -> Experiment:
+    simulation = experiment.simulation.model_copy(update=changes)
+    return experiment.model_copy(update={"simulation": simulation})
+
+
+def difference(q: Array, other: Array) -> float:
+    """Return the greatest difference of two runs' angles in [rad], as long as both go on.
+
+    Args:
+        q: angles of one in [rad], NaN after it left its bounds. Shape (n, 6).
+        other: angles of the other in [rad] at the same instants. Shape (n, 6).
+    """
+    apart = np.abs(q - other)
+    both = np.isfinite(apart[:, 0])
+    return float(apart[both].max()) if both.any() else 0.0
+
+
+def judge(
+    experiment: Experiment, error: float | None, unconverged: int, left: float, capped: int
+) -> Accuracy:
+    """Return the accuracy of a lane, with words where it is not good.
+
+    Args:
+        experiment: what was run.
+        error: greatest error of an angle in [rad], estimated, or ``None``.
+        unconverged: steps whose equation was not solved to its tolerance.
+        left: what those left of a velocity at most in [rad/s].
+        capped: rows whose step was not cut as far as its own error asked.
+    """
+    texts, patch = [], None
+    if unconverged:
+        texts.append(
+            f"The equation of {unconverged} {'step' if unconverged == 1 else 'steps'} was not "
+            f"solved to its tolerance: up to {left:.1g} rad/s are left."
+        )
+    simulation = experiment.simulation
+    if capped > ROUGH * simulation.horizon / simulation.row_period:
+        texts.append(
+            f"{capped} rows were not cut as far as their own error asked: the error may well be "
+            "greater than estimated."
+        )
+    if error is not None and error > GOOD:
+        texts.append(f"The angles are off by up to {error:.1g} rad (estimated).")
+        words, patch = _finer(experiment.simulation, error)
+        texts.append(words)
+    return Accuracy(
+        None if error is None else float(error), unconverged, capped, " ".join(texts), patch
+    )
+
+
+def _finer(simulation: Simulation, error: float) -> tuple[str, dict[str, Any] | None]:
+    """Return what should bring the error below ``GOOD``, in words and as a patch."""
+    if simulation.mode == "sampled":
+        _, most = bounds(Simulation, "plant_substeps")
+        factor = ceil(SAFETY * error / GOOD)
+        substeps = simulation.plant_substeps * factor
+        if substeps > most:
+            return "No number of steps of the arm is known to do.", None
+        words = f"{substeps} steps of the arm a control period should do; its estimate will tell."
+        return words, {"simulation": {"plant_substeps": substeps}}
+    order = 2.0 if simulation.scheme == "extrapolated" else 1.0
+    step = _rounded_down(simulation.step / (SAFETY * error / GOOD) ** (1.0 / order))
+    least, _ = bounds(Simulation, "step")
+    if step < max(least, simulation.horizon / MAX_STEPS):
+        return "No step that is allowed is known to do.", None
+    words = f"A step of {1e3 * step:g} ms should do; its estimate will tell."
+    return words, {"simulation": {"step": step}}
+
+
+def _rounded_down(value: float) -> float:
+    """Return the number of two digits that is not greater."""
+    unit = 10.0 ** (ceil(log10(value)) - 2)
+    return float(f"{int(value / unit + 1e-9) * unit:.2g}")

@@ -1,0 +1,217 @@
+"""One lane: one closed loop with its state, its record and its reason to stand still."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.cutting import Cutting, Step
+from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
+from slidetune.robot.kernels.workspace import (
+    PUSH,
+    QD,
+    RECORD,
+    RECORD_COLUMNS,
+    STATE_ROWS,
+    TAU,
+    VD,
+    WORK_ROWS,
+    Q,
+    V,
+)
+from slidetune.robot.laws import LAWS
+from slidetune.robot.loop.steps import bind_step, torques_on_the_way
+from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
+from slidetune.robot.motion.trajectory import reference
+
+Array = np.ndarray
+
+log = logging.getLogger("slidetune.lane")
+
+DESIRED = RECORD.index("q_d") * JOINTS
+"""First column of a record that holds the desired motion."""
+
+
+@dataclass(frozen=True)
+class Freeze:
+    """Why a lane stands still.
+
+    Attributes:
+        time: when it left its bounds in [s].
+        joint: which joint, from 1; ``None`` where the law itself failed.
+        cause: what happened and what to do, in words.
+        gamma: the sampling margin where that is the reason, else ``None``.
+        radius: the spectral radius of one control period where that is the reason, else ``None``.
+    """
+
+    time: float
+    joint: int | None
+    cause: str
+    gamma: float | None = None
+    radius: float | None = None
+
+    def document(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+_WHY = tuple(field.name for field in fields(Freeze))
+
+
+class Lane:
+    """One closed loop.
+
+    Attributes:
+        name: its name in the experiment.
+        work: workspace of the kernels; ``robot.workspace`` names its rows.
+        record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
+        freeze: why it stands still, ``None`` while it runs.
+        began: when it began from its initial state in [s].
+        commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
+        step: the bound step; see ``robot.cutting.Step``.
+    """
+
+    def __init__(
+        self, name: str, packed: Packed, record: Array, cutting: Cutting | None = None
+    ) -> None:
+        """Stand at the beginning of the trajectory with empty weights.
+
+        Args:
+            name: its name in the experiment.
+            packed: the experiment as numbers.
+            record: rows to write. Shape (n, 48).
+            cutting: how far its steps may be cut; by default as far as in a live session.
+        """
+        self.name = name
+        self.record = record
+        self.cutting = cutting or Cutting()
+        self.work = np.zeros((WORK_ROWS, JOINTS))
+        self.freeze: Freeze | None = None
+        self.commands: Array | None = None
+        self.restart(packed)
+
+    def restart(self, packed: Packed, time: float = 0.0) -> None:
+        """Go to the initial state on the trajectory: e and v as asked for t = 0, empty weights.
+
+        Args:
+            packed: the experiment as numbers.
+            time: when, in [s].
+        """
+        simulation = packed.experiment.simulation
+        self.began = time
+        self.work[:] = 0.0
+        reference(time, packed.trajectory, self.work)
+        self.work[Q] = self.work[QD] - np.asarray(simulation.initial_error)
+        if simulation.initial_velocity == "desired":
+            self.work[V] = self.work[VD]
+        self.freeze = None
+        self.commands = None
+        self.adopt(packed)
+
+    def adopt(self, packed: Packed) -> None:
+        """Take other gains, arm or trajectory from the next step on; the state goes on."""
+        law = LAWS[packed.experiment.lanes[self.name].law]
+        self.commands = torques_on_the_way(packed, self.work, self.commands)
+        gains = packed.gains[self.name]
+        arrays = (gains, self.work, self.record, self.commands)
+        self.step: Step = bind_step(law, packed, *arrays, self.cutting)
+
+    def continue_from(self, other: Lane, packed: Packed) -> None:
+        """Take over another lane's state, torques on their way, past rows and freeze."""
+        self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
+        self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
+        self.record[:] = other.record
+        self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
+        self.adopt(packed)
+
+    def document(self) -> dict[str, Any]:
+        """Return whether it runs, since when, and if not, why, as plain JSON values."""
+        why = self.freeze.document() if self.freeze else dict.fromkeys(_WHY)
+        return {"status": "frozen" if self.freeze else "running", "began": self.began, **why}
+
+    def hold(self, packed: Packed, time: float, row: int) -> None:
+        """Record a frozen lane: its last finite row, and the desired motion that goes on."""
+        reference(time, packed.trajectory, self.work)
+        self.record[row] = self.record[row - 1]
+        self.record[row, DESIRED:] = self.work[QD : VD + 1].ravel()
+
+    def stop(self, packed: Packed, time: float, joint: int, row: int) -> None:
+        """Freeze at the last finite state and say why.
+
+        Args:
+            packed: the experiment as numbers.
+            time: time of the step that failed in [s].
+            joint: which joint left its bounds, from 1.
+            row: row of the record that the step wrote.
+        """
+        lost = np.isnan(self.work[TAU])
+        self._mend(packed, time, row)
+        if lost.any():
+            joint = int(lost.argmax()) + 1
+            cause = f"The law's torque at joint {joint} was not a number at {time:.3f} s."
+            self.freeze = Freeze(time, joint, f"{cause} Choose other gains, then reset.")
+            return
+        cause = (
+            f"Joint {joint} left its bounds (±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s) "
+            f"at {time:.3f} s."
+        )
+        simulation = packed.experiment.simulation
+        if simulation.mode == "sampled":
+            margin = margin_at(packed, self.name, time)
+            if not margin.holds and is_stable_unsampled(packed, self.name, time):
+                cause += _too_fast(simulation, margin)
+                self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
+                return
+        cause += " Change the gains or lower the disturbance, then reset."
+        self.freeze = Freeze(time, joint, cause)
+
+    def fail(self, packed: Packed, time: float, row: int, error: Exception) -> None:
+        """Freeze because the law raised ``error``; the other arguments are those of ``stop``."""
+        law = packed.experiment.lanes[self.name].law
+        log.error("Lane %s: the law %s failed at %.3f s.", self.name, law, time, exc_info=error)
+        self.record[row] = np.nan
+        self._mend(packed, time, row)
+        text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        cause = f"The law {law} failed at {time:.3f} s: {text}. Choose another law, then reset."
+        self.freeze = Freeze(time, None, cause)
+
+    def _mend(self, packed: Packed, time: float, row: int) -> None:
+        """Put what is finite in the place of all that isn't, in the state and in the last row."""
+        work, started = self.work, time > 0.0
+        reference(time, packed.trajectory, work)
+        known = self.record[row - 1].copy() if started else np.zeros(RECORD_COLUMNS)
+        last = np.zeros((STATE_ROWS, JOINTS))
+        last[Q], last[V] = known[: 2 * JOINTS].reshape(2, JOINTS) if started else work[[QD, VD]]
+        _replace_broken(work[:STATE_ROWS], last)
+        _replace_broken(work[TAU], np.zeros(JOINTS))
+        known[: 2 * JOINTS] = work[[Q, V]].ravel()
+        known[DESIRED:] = work[QD : VD + 1].ravel()
+        _replace_broken(self.record[row], known)
+
+
+def _replace_broken(values: Array, known: Array) -> None:
+    broken = ~np.isfinite(values)
+    values[broken] = known[broken]
+
+
+def _too_fast(simulation: Simulation, margin: Margin) -> str:
+    """Say in words what a sampled loop of that margin would take."""
+    late = " and its input delay" if simulation.input_delay else ""
+    cause = f" The gains are too high for {simulation.control_rate:g} Hz{late}"
+    if margin.radius is None:
+        return f"{cause}, sign(S) apart. Lower them or sample faster, then reset."
+    cause += f": from one sample to the next deviations grow by ρ = {margin.radius:.4g}"
+    if margin.gamma is not None:
+        known = margin.limit is not None and 0.0 < margin.limit < margin.gamma
+        border = f", this loop's border is {margin.limit:.3g}" if known else ""
+        cause += f" (γ = {margin.gamma:.3g}{border})"
+    return (
+        f"{cause}. Lower the gains of reaching (k₁, k₂/ε), of the surface or the learning rate, "
+        "add armature or sample faster, then reset."
+    )

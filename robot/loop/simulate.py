@@ -1,0 +1,245 @@
+"""A whole run of an experiment, without a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.cutting import Cutting
+from slidetune.robot.integrator.implicit_step import MAX_VELOCITY
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import (
+    CAPPED,
+    LEFT,
+    NODES,
+    QD,
+    RECORD,
+    RECORD_COLUMNS,
+    TALLY,
+    UNSOLVED,
+    VD,
+    WORK_ROWS,
+    W,
+)
+from slidetune.robot.loop.accuracy import LOOSER, Accuracy, difference, judge, second_run
+from slidetune.robot.loop.lane import Freeze, Lane
+from slidetune.robot.loop.metrics import Metrics, measure_lane
+from slidetune.robot.motion.trajectory import reference
+
+Array = np.ndarray
+
+_CHUNK = 500
+"""Steps between two looks at ``cancelled`` (*ours*)."""
+
+
+@dataclass(frozen=True)
+class LaneRun:
+    """What one lane did; row ``i`` holds at ``run.time[i]``, before step ``i``.
+
+    Rows after a lane left its bounds are NaN.
+
+    Attributes:
+        q: joint angles in [rad]. Shape (n, 6).
+        v: joint velocities in [rad/s]. Shape (n, 6).
+        tau: torques in [N m]. Shape (n, 6).
+        S: sliding variables in [rad/s]. Shape (n, 6).
+        f: network outputs in [N m]. Shape (n, 6).
+        weights: norms of the network's weights in [N m]. Shape (n, 6).
+        final_weights: the weights at the end in [N m], node by node. Shape (10, 6).
+        e: errors ``q_d - q`` in [rad]. Shape (n, 6).
+        de: velocity errors in [rad/s]. Shape (n, 6).
+        flange: flange positions in [m]. Shape (n, 3).
+        flange_desired: desired ones in [m]. Shape (n, 3).
+        layer: within which S counts as reached in [rad/s], 0 for a law that has no reaching law.
+            Shape (6,).
+        freeze: why it stopped, or ``None``.
+        accuracy: how good all of this is.
+    """
+
+    q: Array
+    v: Array
+    tau: Array
+    S: Array
+    f: Array
+    weights: Array
+    final_weights: Array
+    e: Array
+    de: Array
+    flange: Array
+    flange_desired: Array
+    layer: Array
+    freeze: Freeze | None
+    time: Array = field(repr=False)
+    accuracy: Accuracy = field(default_factory=Accuracy)
+
+    @property
+    def metrics(self) -> Metrics:
+        """Figures over the whole run."""
+        return self.metrics_since(0.0)
+
+    def metrics_since(self, start: float) -> Metrics:
+        """Return the figures from ``start`` [s] to where the lane ended; NaN if it ended before."""
+        rows = (self.time >= start) & np.isfinite(self.q[:, 0])
+        names = ("e", "de", "tau", "S", "flange", "flange_desired")
+        columns = {name: getattr(self, name)[rows] for name in names}
+        diverged = None if self.freeze is None else self.freeze.time
+        return measure_lane(self.time[rows], columns, self.layer, diverged)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The results of an experiment.
+
+    Attributes:
+        experiment: what was run.
+        time: time in [s]. Shape (n,).
+        q_d: desired angles in [rad]. Shape (n, 6).
+        v_d: desired velocities in [rad/s]. Shape (n, 6).
+        lanes: what each lane did.
+    """
+
+    experiment: Experiment
+    time: Array
+    q_d: Array
+    v_d: Array
+    lanes: dict[str, LaneRun]
+
+
+class CancelledError(Exception):
+    """A run that was told to stop."""
+
+
+@kernel
+def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-def]
+    for row in range(len(time)):
+        reference(time[row], numbers, work)
+        q_d[row] = work[QD]
+        v_d[row] = work[VD]
+
+
+def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
+    """Return q_d [rad] and v_d [rad/s] at given times in [s]. Shapes (n, 6)."""
+    q_d, v_d = np.empty((len(time), JOINTS)), np.empty((len(time), JOINTS))
+    _desired_motion(time, packed.trajectory, np.zeros((WORK_ROWS, JOINTS)), q_d, v_d)
+    return q_d, v_d
+
+
+def _run_lane(name: str, packed: Packed, tolerance: float, pause: Callable[[float], None]) -> Lane:
+    """Step one lane through all rows, or until it leaves its bounds."""
+    simulation = packed.experiment.simulation
+    rows = round(simulation.horizon / simulation.row_period) + 1
+    cutting = Cutting.of_whole_run(rows, tolerance)
+    lane = Lane(name, packed, np.zeros((rows, RECORD_COLUMNS)), cutting)
+    step, instants = lane.step, (np.arange(rows) * simulation.row_period).tolist()
+    for begin in range(0, rows, _CHUNK):
+        pause(begin / rows)
+        for row in range(begin, min(begin + _CHUNK, rows)):
+            try:
+                joint = step(instants[row], row, row)
+            except Exception as error:
+                lane.fail(packed, instants[row], row, error)
+            else:
+                if not joint:
+                    continue
+                lane.stop(packed, instants[row], joint, row)
+            lane.record[row + 1 :] = np.nan
+            return lane
+    return lane
+
+
+def _accuracy(
+    lane: Lane, packed: Packed, other: Packed | None, pause: Callable[[float], None]
+) -> Accuracy:
+    """Judge a lane that has run, by a run of ``other`` where there is one."""
+    unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
+    error = None
+    if other is not None:
+        _, stride, share = second_run(packed.experiment)
+        second = _run_lane(lane.name, other, LOOSER, pause)
+        rows = lane.record[::stride, :JOINTS]
+        common = min(len(rows), len(second.record))
+        error = share * difference(rows[:common], second.record[:common, :JOINTS])
+        if (lane.freeze is None) != (second.freeze is None):
+            # One left its bounds and the other did not: by then neither is to be trusted.
+            error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
+        # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
+        error = float(error + left * packed.experiment.simulation.horizon)
+    return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
+
+
+def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array, good: Accuracy) -> LaneRun:
+    record = lane.record
+    columns = {name: record[:, JOINTS * i : JOINTS * (i + 1)] for i, name in enumerate(RECORD)}
+    # In place: a whole run writes a lot of memory, and fresh pages cost more than the numbers.
+    e, de = columns.pop("q_d"), columns.pop("v_d")
+    e -= columns["q"]
+    de -= columns["v"]
+    layer = getattr(packed.experiment.lanes[lane.name], "layer", 0.0)
+    return LaneRun(
+        **columns,
+        final_weights=lane.work[W : W + NODES].copy(),
+        e=e,
+        de=de,
+        flange=flange_positions(columns["q"]),
+        flange_desired=desired,
+        layer=np.broadcast_to(np.asarray(layer, dtype=float), JOINTS),
+        freeze=lane.freeze,
+        time=time,
+        accuracy=good,
+    )
+
+
+def simulate(
+    experiment: Experiment,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    estimate: bool = True,
+) -> Run:
+    """Run an experiment over its horizon: no clock, no thread.
+
+    Args:
+        experiment: what to run.
+        progress: called with the share done, 0 to 1, now and then.
+        cancelled: asked now and then; the run stops when it says yes.
+        estimate: whether each lane's error is estimated, which takes half as much again.
+
+    Returns:
+        All columns at every step, both ends included.
+
+    Raises:
+        InvalidExperimentError: if the arm can't follow the trajectory.
+        CancelledError: if ``cancelled`` said yes.
+    """
+    packed, other = pack(experiment), None
+    if estimate:
+        other = pack(second_run(experiment)[0])
+    simulation = experiment.simulation
+    rows = round(simulation.horizon / simulation.row_period) + 1
+    time = np.arange(rows) * simulation.row_period
+    q_d, v_d = desired_motion(packed, time)
+    desired = flange_positions(q_d)
+    lanes: dict[str, LaneRun] = {}
+    passes = (2 if estimate else 1) * len(experiment.lanes)
+    made = 0
+
+    def pause(share: float) -> None:
+        if cancelled is not None and cancelled():
+            raise CancelledError
+        if progress is not None:
+            progress((made + share) / passes)
+
+    for name in experiment.lanes:
+        lane = _run_lane(name, packed, 1.0, pause)
+        made += 1
+        good = _accuracy(lane, packed, other, pause)
+        made += 1 if estimate else 0
+        lanes[name] = _lane_run(lane, packed, time, desired, good)
+    if progress is not None:
+        progress(1.0)
+    return Run(experiment, time, q_d, v_d, lanes)

@@ -1,0 +1,231 @@
+"""One control step of one lane, bound to its arrays: Pinocchio, then the law's kernel.
+
+Everything that a step needs is bound once, so that a step looks up nothing: M and h are views that
+Pinocchio refills, the state is a view of the workspace, and a kernel takes all of it as one number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from slidetune.robot.arm.dynamics import dynamics
+from slidetune.robot.environment.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.cutting import Cutting, Parts, Step
+from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, wire
+from slidetune.robot.integrator.stages import FIRST, PLAIN, SECOND, observe, plant_step
+from slidetune.robot.kernels.workspace import (
+    APPLIED,
+    CURRENT,
+    CURVE,
+    CURVE_ROWS,
+    HALF,
+    MEASURED_Q,
+    MEASURED_V,
+    TAU,
+    Q,
+    V,
+)
+from slidetune.robot.laws.law import Law
+
+Array = np.ndarray
+
+
+class Stage(NamedTuple):
+    """One stage of a step of continuous mode.
+
+    Attributes:
+        arm: what Pinocchio takes before the state: the arm and what it writes.
+        q: joint angles of the stage in [rad], a view. Shape (6,).
+        v: joint velocities of the stage in [rad/s], a view. Shape (6,).
+        believe: lets Pinocchio write the nominal arm anew, where there is another one.
+        wiring: what the kernel takes.
+    """
+
+    arm: tuple[pin.Model, pin.Data]
+    q: Array
+    v: Array
+    believe: Callable[[], None] | None
+    wiring: Array
+
+
+def _stage(
+    stage: int, base: int, law: Law, packed: Packed, gains: Array, work: Array, record: Array
+) -> Stage:
+    """Return a stage at the state whose first row is ``base``."""
+    q, v = work[base + Q], work[base + V]
+    truth = belief = dynamics(packed.model, q, v)
+    if law.model_based and packed.nominal is not None:
+        belief = dynamics(packed.nominal, q, v)
+    arrays = (truth, belief, gains, packed.world, packed.trajectory, work, record)
+    wiring = wire(*arrays, stage=stage, step=packed.experiment.simulation.step)
+    believe = None if belief is truth else belief.refill
+    return Stage((truth.model, truth.data), q, v, believe, wiring)
+
+
+def plain_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
+) -> Step:
+    """Return the plain implicit step of continuous mode."""
+    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
+    (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
+    numbers = wiring.view(np.float64)
+
+    def settle(h: float, tolerance: float) -> None:
+        numbers[STEP], numbers[TOLERANCE] = h, tolerance
+
+    def bound(parts: Callable[[float, int], int] | None) -> Step:
+        def step(t: float, number: int, row: int) -> int:
+            crba(arm, data, q)
+            bias(arm, data, q, v)
+            if believe is not None:
+                believe()
+            bad = kernel(t, row, wiring)
+            return parts(t, row) if bad and parts else bad
+
+        return step
+
+    h = packed.experiment.simulation.step
+    return bound(Parts(settle, bound(None), h, cutting, work).make)
+
+
+def extrapolated_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
+) -> Step:
+    """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
+    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
+    (arm, data), q, v, believe, first = _stage(FIRST, CURRENT, law, packed, gains, work, record)
+    later = _stage(SECOND, HALF, law, packed, gains, work, record)
+    (_, data2), q2, v2, believe2, second = later
+    numbers, numbers2 = first.view(np.float64), second.view(np.float64)
+    half = 0.0
+
+    def settle(h: float, tolerance: float) -> None:
+        nonlocal half
+        half = 0.5 * h
+        numbers[STEP] = numbers2[STEP] = h
+        numbers[TOLERANCE] = numbers2[TOLERANCE] = tolerance
+
+    def bound(parts: Callable[[float, int], int] | None) -> Step:
+        def step(t: float, number: int, row: int) -> int:
+            crba(arm, data, q)
+            bias(arm, data, q, v)
+            if believe is not None:
+                believe()
+            bad = kernel(t, row, first)
+            if not bad:
+                crba(arm, data2, q2)
+                bias(arm, data2, q2, v2)
+                if believe2 is not None:
+                    believe2()
+                bad = kernel(t + half, row, second)
+            return parts(t, row) if bad and parts else bad
+
+        return step
+
+    h = packed.experiment.simulation.step
+    return bound(Parts(settle, bound(None), h, cutting, work).make)
+
+
+def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Array:
+    """Return the torques that wait for the input delay to pass; step ``n`` writes row ``n % size``.
+
+    Args:
+        packed: the experiment as numbers.
+        work: the lane's workspace.
+        before: those of the experiment so far; they stay on their way if the size is the same, or
+            else an edit every few steps would keep every later torque from ever arriving.
+
+    Returns:
+        Torques in [N m], none in continuous mode. Shape (size, 6).
+    """
+    simulation, limit = packed.experiment.simulation, packed.world[LIMIT]
+    if simulation.mode == "continuous":
+        return np.empty((0, JOINTS))
+    size = simulation.delay[0] + 2
+    if before is None or len(before) != size:
+        before = np.tile(work[TAU], (size, 1))
+    bounded: Array = np.clip(before, -limit, limit)
+    return bounded
+
+
+def sampled_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, commands: Array
+) -> Step:
+    """Return one control period of sampled mode: measure, hold the torque, step the arm.
+
+    A torque reaches the joints ``input_delay`` after its measurement, rounded to steps of the arm.
+    """
+    simulation = packed.experiment.simulation
+    period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
+    h = period / substeps
+    (whole, part), size = simulation.delay, len(commands)
+    sample = law.sample
+    truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
+    refill, applied, torque = truth.refill, work[APPLIED], work[TAU]
+    noisy = bool(packed.world[SENSOR, SENSOR_Q] or packed.world[SENSOR, SENSOR_V])
+    belief = None
+    if law.model_based and (noisy or packed.nominal is not None):
+        belief = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
+    rest = (gains, packed.world, packed.trajectory, work, record)
+    controller = wire(truth, belief or truth, *rest, step=period)
+    arm = wire(truth, truth, *rest, step=h)
+
+    def step(t: float, number: int, row: int) -> int:
+        refill()
+        if belief is not None:
+            observe(t, number, controller)
+            belief.refill()
+        bad: int = sample(t, number, row, controller)
+        if bad:
+            return bad
+        commands[number % size] = torque
+        applied[:] = commands[(number - whole - (part > 0)) % size]
+        for substep in range(substeps):
+            if substep:
+                refill()
+                if substep == part:
+                    applied[:] = commands[(number - whole) % size]
+            bad = plant_step(t + substep * h, arm)
+            if bad:
+                return bad
+        return 0
+
+    return step
+
+
+def bind_step(
+    law: Law,
+    packed: Packed,
+    gains: Array,
+    work: Array,
+    record: Array,
+    commands: Array,
+    cutting: Cutting,
+) -> Step:
+    """Return the step that an experiment asks for.
+
+    Args:
+        law: the lane's law.
+        packed: the experiment as numbers.
+        gains: the lane's gains. Shape (n, 6).
+        work: the lane's workspace, which holds its state.
+        record: rows to write. Shape (n, 48).
+        commands: what ``torques_on_the_way`` returned; only sampled mode uses it.
+        cutting: how far a step of continuous mode may be cut.
+
+    Returns:
+        ``step(t, number, row)``.
+    """
+    simulation = packed.experiment.simulation
+    # What another law left there is not this one's.
+    work[CURVE : CURVE + CURVE_ROWS] = 0.0
+    if simulation.mode == "sampled":
+        return sampled_step(law, packed, gains, work, record, commands)
+    bind = extrapolated_step if simulation.scheme == "extrapolated" else plain_step
+    return bind(law, packed, gains, work, record, cutting)

@@ -1,0 +1,339 @@
+"""How close a sampled loop is to its border, and what would take it further away.
+
+The condition is that of the whole loop: the spectral radius of one control period's linear map is
+below 1. Gamma is the textbook's number, which sees the reaching law alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from slidetune.robot.arm.dynamics import dynamics
+from slidetune.robot.environment.disturbance import LIMIT, SENSOR
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.kernels.workspace import (
+    FLAGS,
+    GAIN,
+    QD,
+    RECORD_COLUMNS,
+    S_V,
+    SHAPE,
+    WORK_ROWS,
+    Q,
+    V,
+)
+from slidetune.robot.laws import LAWS
+from slidetune.robot.margins.period_map import MARGINAL, Around, PeriodMap, calm
+from slidetune.robot.motion.trajectory import QUINTIC, HoldTrajectory, reference
+
+Array = np.ndarray
+
+MARGIN_LIMIT = 2.0
+"""An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
+_POSES = 12
+"""Instants along the desired motion at which the loop is looked at (*ours*)."""
+_UNSAMPLED = 1e7
+"""Control rate in [Hz] that stands for continuous time (*ours*)."""
+_SLOW = 0.05
+"""Growth in [1/s] that differences can't tell from none at that rate (*ours*)."""
+_FACTORS = 2.0 ** np.arange(1, 31)
+"""By how much reaching gains are multiplied or divided in search of the border (*ours*)."""
+_MUCH = 10
+"""How many of these are tried where weaker gains do not help (*ours*): a thousandfold."""
+_WEAKER = np.geomspace(1.0, 1e-4, 13)
+"""Shares of the layer's slope that an oscillation of growing amplitude feels (*ours*)."""
+
+
+def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -> Array:
+    """Return a workspace in which a lane's law has been evaluated at (q, v) and t = 0.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        q: joint angles in [rad]. Shape (6,).
+        v: joint velocities in [rad/s]. Shape (6,).
+        trajectory: desired motion, as of ``pack_trajectory``.
+    """
+    law = LAWS[packed.experiment.lanes[name].law]
+    work = np.zeros((WORK_ROWS, JOINTS))
+    work[Q], work[V] = q, v
+    believed = dynamics(packed.nominal or packed.model, work[Q], work[V])
+    believed.refill()
+    world = packed.world.copy()
+    # What the law asks for, of the true state, before the joint gives what it can.
+    world[SENSOR, :2], world[LIMIT] = 0.0, np.inf
+    record = np.zeros((1, RECORD_COLUMNS))
+    gains = packed.gains[name]
+    wiring = wire(believed, believed, gains, world, trajectory, work, record)
+    law.sample(0.0, 0, 0, wiring)
+    return work
+
+
+def sampling_margin(packed: Packed, name: str, q: Array) -> float:
+    r"""Return how close a sampled loop is to divergence.
+
+    .. math:: \gamma = \lambda_{max}(T D M^{-1}), \qquad
+        D = (k_1 + k_2/\epsilon)\,\partial S/\partial\dot e
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        q: joint angles in [rad]. Shape (6,).
+
+    Returns:
+        The margin [-] at the sample period T of ``control_rate``. A loop that is nothing but a
+        damper diverges above ``margin_limit``; any loop leaves its border at ``Margin.limit``.
+    """
+    q = np.ascontiguousarray(q)
+    hold = np.concatenate([[QUINTIC, 1.0], q, q])
+    work = evaluate(packed, name, q, np.zeros(JOINTS), hold)
+    damping = np.diag(work[GAIN] * work[S_V])
+    if work[FLAGS, 0]:
+        damping = work[SHAPE : SHAPE + JOINTS] @ damping
+    M = pin.crba(packed.model, packed.model.createData(), q)
+    period = 1.0 / packed.experiment.simulation.control_rate
+    return float(np.abs(np.linalg.eigvals(period * damping @ np.linalg.inv(M))).max())
+
+
+def margin_limit(simulation: Simulation) -> float:
+    r"""Return the sampling margin above which linear gains diverge, given the input delay.
+
+    With a delay of n + f control periods the velocity error obeys
+
+    .. math:: v_{k+1} = v_k - \gamma\,[(1 - f)\,v_{k-n} + f\,v_{k-n-1}]
+
+    whose roots leave the unit circle at 2 without a delay, at 1 with one period, and at
+    :math:`2\sin(\pi/(4n+2))` with n of them.
+
+    Args:
+        simulation: control rate, input delay, and the steps of the arm to which it is rounded.
+    """
+    whole, part = simulation.delay
+    late = part / simulation.plant_substeps
+    angle = np.linspace(0.0, np.pi / (2 * whole + 1), 4001)[1:]
+    mean = (1.0 - late) * np.exp(1j * angle) + late
+    phase = (whole + 1.5) * angle - np.angle(mean)
+    first = int(np.argmax(phase >= 0.5 * np.pi - 1e-9))
+    return float(2.0 * np.sin(0.5 * angle[first]) / np.abs(mean[first]))
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How a sampled loop stands, at the worst instant of its desired motion.
+
+    Attributes:
+        radius: spectral radius of one control period within the boundary layer [-]; ``None`` for
+            sign(S), which has no layer.
+        bounded: whether what leaves the layer comes to a limit cycle instead of growing on.
+        gamma: the sampling margin [-]; ``None`` where the slope of the reaching law depends on how
+            far S is from 0 (power), or has no end (sign).
+        limit: gamma at which this very loop leaves its border when its reaching gains grow alike.
+            Above gamma in a loop that is not stable it says from where on stronger gains hold it;
+            0 where no factor does, ``None`` where there is no gamma.
+    """
+
+    radius: float | None
+    bounded: bool
+    gamma: float | None
+    limit: float | None
+
+    @property
+    def stable(self) -> bool:
+        """Whether a small deviation dies out."""
+        return self.radius is not None and self.radius <= 1.0 + MARGINAL
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is stable, or chatters on its surface without end, as sign(S) does."""
+        return self.stable or (self.radius is None and self.bounded)
+
+    def document(self) -> dict[str, float | bool | None]:
+        """Return it as plain JSON values."""
+        return {
+            "stable": self.stable,
+            "radius": self.radius,
+            "bounded": self.bounded,
+            "gamma": self.gamma,
+            "gamma_limit": self.limit,
+        }
+
+
+def _switches(packed: Packed, name: str, switching: str) -> bool:
+    return getattr(packed.experiment.lanes[name], "switching", "") == switching
+
+
+def _has_gamma(packed: Packed, name: str) -> bool:
+    lane = packed.experiment.lanes[name]
+    return not _switches(packed, name, "sign") and getattr(lane, "reaching", "") != "power"
+
+
+def _outside(packed: Packed, name: str) -> Array | None:
+    """Return a lane's gains without a layer: what is left of the reaching law is proportional."""
+    lane = packed.experiment.lanes[name]
+    if not hasattr(lane, "epsilon"):
+        return None
+    flat = {"switching": "tanh", "epsilon": np.inf}
+    gains: Array = lane.model_copy(update=flat).pack()
+    return gains
+
+
+def _instants(packed: Packed) -> Array:
+    """Return the instants in [s] at which the loop is looked at: one where nothing moves."""
+    held = isinstance(packed.experiment.trajectory, HoldTrajectory)
+    return np.linspace(0.0, packed.experiment.simulation.horizon, 1 if held else _POSES)
+
+
+def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
+    """Return what one control period does to a small deviation from the desired motion.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane; one that switches by sign has no layer, and only its proportional part.
+        time: when, in [s].
+    """
+    outside, quiet = _outside(packed, name), calm(packed)
+    if _switches(packed, name, "sign") and outside is not None:
+        quiet = replace(quiet, gains={**quiet.gains, name: outside})
+    return Around(quiet, name, time).map(outside)
+
+
+def worst_instant(packed: Packed, name: str) -> tuple[float, PeriodMap]:
+    """Return when along the desired motion the loop is closest to its border, and its map."""
+    maps = [(time, period_map(packed, name, time)) for time in _instants(packed).tolist()]
+    return max(maps, key=lambda found: found[1].radius())
+
+
+def loop_margin(packed: Packed, name: str) -> Margin:
+    """Return how a lane's sampled loop stands, at the worst instant of its desired motion.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+    """
+    maps = [period_map(packed, name, time) for time in _instants(packed).tolist()]
+    # The worst first: where a gain does not do, it is mostly there that it does not.
+    maps.sort(key=lambda found: found.radius(), reverse=True)
+    if not _has_gamma(packed, name):
+        return _margin(packed, name, maps[0], None, None)
+    gamma = worst_margin(packed, name)
+    return _margin(packed, name, maps[0], gamma, gamma * _border(maps))
+
+
+def loop_radius(packed: Packed, name: str) -> Margin:
+    """Return what ``loop_margin`` does but for gamma and its border, which take longer."""
+    return _margin(packed, name, worst_instant(packed, name)[1], None, None)
+
+
+def margin_at(packed: Packed, name: str, time: float) -> Margin:
+    """Return how a lane's sampled loop stands at one instant of its desired motion, in [s]."""
+    found = period_map(packed, name, time)
+    if not _has_gamma(packed, name):
+        return _margin(packed, name, found, None, None)
+    gamma = sampling_margin(packed, name, _pose(packed, time))
+    return _margin(packed, name, found, gamma, gamma * _border([found]))
+
+
+def _margin(
+    packed: Packed, name: str, found: PeriodMap, gamma: float | None, limit: float | None
+) -> Margin:
+    radius = found.radius()
+    bounded = any(found.stable(switching=share) for share in (*_WEAKER, 0.0))
+    if _switches(packed, name, "sign"):
+        # It always oscillates. Whether that has an end is up to the rest and to a torque of k2.
+        return Margin(None, bounded or _is_held(packed, name), None, None)
+    return Margin(radius, bounded, gamma, limit)
+
+
+def _is_held(packed: Packed, name: str) -> bool:
+    """Tell whether some slope of the switching term, which sign passes through, would hold."""
+    lane = packed.experiment.lanes[name]
+    wide = lane.model_copy(update={"switching": "tanh", "epsilon": 1.0})
+    smooth = packed.experiment.model_copy(update={"lanes": {**packed.experiment.lanes, name: wide}})
+    other = replace(packed, experiment=smooth, gains={**packed.gains, name: wide.pack()})
+    _, found = worst_instant(other, name)
+    shares = np.geomspace(1e-4, 1e4, 25)
+    return any(found.stable(switching=share) for share in shares)
+
+
+def _pose(packed: Packed, time: float) -> Array:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    reference(time, packed.trajectory, work)
+    pose: Array = work[QD].copy()
+    return pose
+
+
+def _border(maps: list[PeriodMap]) -> float:
+    """Return by how much all reaching gains may be multiplied until a loop leaves its border.
+
+    Of a loop that is not stable it is the factor below, or else above 1 that makes it so, where
+    the gains are too weak; 0 where none does.
+    """
+
+    def holds(factor: float) -> bool:
+        return all(found.stable(factor, factor) for found in maps)
+
+    if holds(1.0):
+        upward = next((factor for factor in _FACTORS if not holds(factor)), None)
+        return float(_FACTORS[-1]) if upward is None else _between(holds, 0.5 * upward, upward)
+    downward = next((1.0 / factor for factor in _FACTORS if holds(1.0 / factor)), None)
+    if downward is not None:
+        return _between(holds, downward, 2.0 * downward)
+    upward = next((factor for factor in _FACTORS[:_MUCH] if holds(factor)), None)
+    return 0.0 if upward is None else _between(holds, upward, 0.5 * upward)
+
+
+def _between(holds: Callable[[float], bool], good: float, bad: float) -> float:
+    """Return where a factor begins to hold, to a thousandth, on its good side."""
+    while abs(good - bad) > 1e-3 * good:
+        middle = float(np.sqrt(good * bad))
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return good
+
+
+def is_stable(packed: Packed, name: str) -> bool:
+    """Tell whether a lane's sampled loop lets small deviations die out, all along its motion."""
+    times = _instants(packed).tolist()
+    return not _switches(packed, name, "sign") and all(
+        period_map(packed, name, time).stable() for time in times
+    )
+
+
+def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
+    """Tell whether a loop would be stable at a rate past all layers and without a delay.
+
+    Then it is the sampling that makes it diverge; else no control rate is to blame.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        time: when along the desired motion, in [s].
+    """
+    simulation = packed.experiment.simulation.model_copy(update={"input_delay": 0.0})
+    prompt = packed.experiment.model_copy(update={"simulation": simulation})
+    fast = at_rate(replace(packed, experiment=prompt), _UNSAMPLED)
+    return (period_map(fast, name, time).radius() - 1.0) * _UNSAMPLED < _SLOW
+
+
+def at_rate(packed: Packed, rate: float) -> Packed:
+    """Return the experiment at another control rate in [Hz]."""
+    simulation = packed.experiment.simulation.model_copy(update={"control_rate": rate})
+    return replace(
+        packed, experiment=packed.experiment.model_copy(update={"simulation": simulation})
+    )
+
+
+def _poses(packed: Packed) -> list[Array]:
+    """Return joint angles along the desired trajectory in [rad]. Shapes (6,)."""
+    return [_pose(packed, time) for time in _instants(packed).tolist()]
+
+
+def worst_margin(packed: Packed, name: str) -> float:
+    """Return the largest sampling margin along the desired trajectory."""
+    return max(sampling_margin(packed, name, pose) for pose in _poses(packed))

@@ -1,0 +1,370 @@
+"""What one control period does to a small deviation: the whole sampled loop as a linear map.
+
+Taken by differences over the very kernels that run: the law's ``sample`` with its network, and the
+arm's ``plant_step`` under the hold, with the delay line put together exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from slidetune.robot.arm.dynamics import dynamics
+from slidetune.robot.environment.disturbance import (
+    BITS,
+    COMMON,
+    COULOMB,
+    LIMIT,
+    LIMITS,
+    RUBS,
+    SENSOR,
+    external_torque,
+)
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.stages import plant_step
+from slidetune.robot.kernels.workspace import (
+    AD,
+    APPLIED,
+    CURRENT,
+    CURVE,
+    CURVE_ROWS,
+    FLAGS,
+    HIDDEN,
+    LEARNING,
+    NODES,
+    QD,
+    REACH,
+    RECORD_COLUMNS,
+    S_E,
+    S_V,
+    SHAPE,
+    SHAPED,
+    TAU,
+    VD,
+    WORK_ROWS,
+    F,
+    Q,
+    S,
+    V,
+    W,
+)
+from slidetune.robot.laws import LAWS
+from slidetune.robot.motion.trajectory import reference
+
+Array = np.ndarray
+
+ANGLE, VELOCITY, TORQUE = 1e-6, 1e-6, 1e-2
+"""Differences by which the arm's map is taken in [rad], [rad/s] and [N m] (*ours*)."""
+MARGINAL = 1e-6
+"""By how much a spectral radius may be above 1 (*ours*): a state that nothing moves, such as an
+angle that nothing pulls back, stands at 1, and differences know it no better."""
+WITHIN = 1e-3
+"""Share of the boundary layer by which the law's map is taken (*ours*)."""
+_LONGEST = 8
+"""Whole periods of delay that are about as many as it takes (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How a control period is cut, in steps of the arm.
+
+    Attributes:
+        step: step of the arm in [s].
+        steps: steps of the arm in a period.
+        delay: steps of the arm from a measurement to its torque.
+        periods: control periods that this one stands for.
+    """
+
+    step: float
+    steps: int
+    delay: int
+    periods: float = 1.0
+
+    @property
+    def period(self) -> float:
+        """Length of the period in [s]."""
+        return self.step * self.steps
+
+
+def timing(simulation: Simulation) -> Timing:
+    """Return the timing of a sampled loop; a long delay is cut into some eight longer periods.
+
+    A delay of n periods takes 6n states. Where it is long, the loop loses its stability slowly
+    against a period, so that longer periods do: a hold delays by half of its length, which the
+    delay then lacks, and what is left is of second order (0.3 % of a gain).
+    """
+    step = 1.0 / (simulation.control_rate * simulation.plant_substeps)
+    short, (whole, part) = simulation.plant_substeps, simulation.delay
+    half = max(0, round(0.5 * short * (whole / _LONGEST - 1.0)))
+    long = short + 2 * half
+    return Timing(step, long, whole * short + part - half, long / short)
+
+
+@dataclass(frozen=True)
+class PeriodMap:
+    r"""One control period around the desired motion.
+
+    .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
+
+    x: deviations of angle, velocity and of the weights along the hidden outputs; u: torque.
+
+    Attributes:
+        own: A: arm and learning without the torque. Shape (m, m).
+        late: B_0: torque over the rest of the period. Shape (m, 6).
+        early: B_1: torque over its beginning, where the delay is not whole. Shape (m, 6).
+        rest: C: torque but for the reaching law. Shape (6, m).
+        proportional: P: the reaching law outside of its layer. Shape (6, m).
+        switching: R: what the layer adds. Shape (6, m).
+        delay: n: whole periods of delay.
+        timing: the period, which is a longer one under a long delay.
+    """
+
+    own: Array
+    late: Array
+    early: Array
+    rest: Array
+    proportional: Array
+    switching: Array
+    delay: int
+    timing: Timing
+
+    def radius(self, proportional: float = 1.0, switching: float = 1.0) -> float:
+        """Return the spectral radius, with the two parts of the reaching law so many times."""
+        largest = float(np.abs(np.linalg.eigvals(self._whole(proportional, switching))).max())
+        return float(largest ** (1.0 / self.timing.periods))
+
+    def _whole(self, proportional: float, switching: float) -> Array:
+        """Return the matrix of a period over the state and the torques on their way."""
+        torque, line = self._torque(proportional, switching), self._line
+        A, size = self.own, len(self.own)
+        if self.delay == 0:
+            A = A + self.late @ torque
+        if line == 0:
+            return A
+        whole = np.zeros((size + line * JOINTS, size + line * JOINTS))
+        whole[:size, :size] = A
+        whole[size : size + JOINTS, :size] = torque
+        whole[size + JOINTS :, size:-JOINTS] = np.eye((line - 1) * JOINTS)
+        for back, share in ((self.delay, self.late), (self.delay + 1, self.early)):
+            if 1 <= back <= line:
+                first = size + (back - 1) * JOINTS
+                whole[:size, first : first + JOINTS] = share
+        return whole
+
+    def stable(self, proportional: float = 1.0, switching: float = 1.0) -> bool:
+        """Tell whether small deviations die out."""
+        return self.radius(proportional, switching) <= 1.0 + MARGINAL
+
+    @property
+    def _line(self) -> int:
+        """How many torques are on their way."""
+        return self.delay + bool(np.any(self.early))
+
+    def _torque(self, proportional: float, switching: float) -> Array:
+        slopes: Array = self.rest + proportional * self.proportional + switching * self.switching
+        return slopes
+
+
+def calm(packed: Packed) -> Packed:
+    """Return the experiment without what is no part of a linear map.
+
+    Torque limits, noise of the sensors and Coulomb friction, whose slope at rest would feign a
+    damping that a moving joint does not have.
+    """
+    world = packed.world.copy()
+    world[SENSOR, :2], world[LIMIT], world[COULOMB] = 0.0, np.inf, 0.0
+    world[COMMON, BITS] = int(world[COMMON, BITS]) & ~(LIMITS | RUBS)
+    return replace(packed, world=world)
+
+
+class Around:
+    """A lane's control period around the desired motion at one time."""
+
+    def __init__(self, packed: Packed, name: str, time: float, cut: Timing | None = None) -> None:
+        """Stand on the desired motion, the weights at what holds it.
+
+        Args:
+            packed: the experiment as numbers, calm.
+            name: the lane.
+            time: when, in [s].
+            cut: how its period is cut; by default as ``timing`` says.
+        """
+        lane = packed.experiment.lanes[name]
+        self._packed, self._time, self._lane = packed, time, lane
+        self._law, self._gains = LAWS[lane.law], packed.gains[name].copy()
+        self.work = work = np.zeros((WORK_ROWS, JOINTS))
+        reference(time, packed.trajectory, work)
+        self.q, self.v = work[QD].copy(), work[VD].copy()
+        self._truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
+        believed = packed.nominal or packed.model
+        self._belief = dynamics(believed, work[CURRENT + Q], work[CURRENT + V])
+        self.timing = cut = cut or timing(packed.experiment.simulation)
+        rest = (self._gains, packed.world, packed.trajectory, work)
+        record = np.zeros((1, RECORD_COLUMNS))
+        self._control = wire(self._truth, self._belief, *rest, record, step=cut.period)
+        self._arm = wire(self._truth, self._truth, *rest, record, step=cut.step)
+        self._weights = np.zeros((NODES, JOINTS))
+        self.load = self._needed_torque()
+        self._ask(self.q, self.v)
+        hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
+        length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
+        # A joint whose network is blind here, or learns nothing, has no state in it.
+        known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
+        self.learning: Array = np.flatnonzero(known)
+        self._along = np.divide(hidden, length, out=np.zeros_like(hidden), where=length > 1e-9)
+        if len(self.learning):
+            held = np.zeros(JOINTS)
+            held[self.learning] = (self.load / np.maximum(length, 1e-9))[self.learning]
+            self._weights = self._along * held
+
+    def _needed_torque(self) -> Array:
+        """Return the torque that keeps the arm on the desired motion in [N m]. Shape (6,)."""
+        work = self.work
+        work[CURRENT + Q], work[CURRENT + V] = self.q, self.v
+        self._truth.refill()
+        external_torque(self._time, self.timing.period, CURRENT, self._packed.world, work)
+        M = np.triu(self._truth.inertia.T)
+        M = M + np.triu(M, 1).T
+        needed: Array = M @ work[AD] + self._truth.bias + work[F]
+        return needed
+
+    def _ask(self, q: Array, v: Array) -> None:
+        """Let the law look at a state; the weights are put back to where they stand."""
+        work = self.work
+        work[CURVE : CURVE + CURVE_ROWS] = 0.0
+        work[CURRENT + Q], work[CURRENT + V] = q, v
+        work[CURRENT + W : CURRENT + W + NODES] = self._weights
+        self._belief.refill()
+        self._law.sample(self._time, 0, 0, self._control)
+
+    def steepest(self) -> Array:
+        """Return the velocity error in [rad/s] at which the reaching law is steepest. Shape (6,).
+
+        That is on the surface but for power reaching, whose slope there is none, or without end.
+        """
+        error = np.zeros(JOINTS)
+        if getattr(self._lane, "reaching", "") != "power":
+            return error
+        wanted = self._steepest_sliding()
+        for _ in range(60):
+            self._ask(self.q, self.v - error)
+            missing = wanted - self.work[S]
+            if np.abs(missing).max() < 1e-12:
+                break
+            error = error + missing / self.work[S_V]
+        return error
+
+    def _steepest_sliding(self) -> Array:
+        r"""Return where :math:`|S|^\alpha\,\mathrm{sw}(S/\epsilon)` is steepest in [rad/s]."""
+        lane = self._lane
+        layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), JOINTS)
+        if lane.switching == "saturation":
+            return layer * (1.0 - 2.0 * WITHIN)
+        x = np.geomspace(1e-3, 1e3, 4001)
+        value = x**lane.alpha * np.tanh(x)
+        return layer * float(x[np.argmax(np.gradient(value, x))])
+
+    def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
+        """Return slopes of learning, of the rest of the torque and of its reaching law."""
+        size, held = 2 * JOINTS + len(self.learning), self._weights
+        learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
+        start = self.v - error
+        self._ask(self.q, start)
+        layer = np.broadcast_to(np.asarray(getattr(self._lane, "epsilon", 1.0)), JOINTS)
+        s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
+        by = np.concatenate(
+            [
+                np.minimum(ANGLE, WITHIN * layer / np.maximum(s_e, 1e-9)),
+                np.minimum(VELOCITY, WITHIN * layer / s_v),
+                np.full(len(self.learning), TORQUE),
+            ]
+        )
+        for column in range(size):
+            found = []
+            for side in (by[column], -by[column]):
+                q, v = self.q.copy(), start.copy()
+                self._weights = held
+                if column < JOINTS:
+                    q[column] += side
+                elif column < 2 * JOINTS:
+                    v[column - JOINTS] += side
+                else:
+                    joint = self.learning[column - 2 * JOINTS]
+                    self._weights = held.copy()
+                    self._weights[:, joint] += side * self._along[:, joint]
+                self._ask(q, v)
+                found.append(self._answer(held))
+            torque, reached, weights = (
+                (high - low) / (2.0 * by[column]) for high, low in zip(*found, strict=True)
+            )
+            rest[:, column], reach[:, column] = torque - reached, reached
+            learning[2 * JOINTS :, column] = weights
+        self._weights = held
+        return learning, rest, reach
+
+    def _answer(self, held: Array) -> tuple[Array, Array, Array]:
+        """Return torque, reaching torque, and weights along the hidden outputs."""
+        work = self.work
+        reached = work[REACH].copy()
+        if work[FLAGS, SHAPED] != 0.0:
+            reached = work[SHAPE : SHAPE + JOINTS] @ reached
+        moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
+        return work[TAU].copy(), reached, moved[self.learning]
+
+    def _arm_map(self, part: int) -> tuple[Array, Array, Array]:
+        """Return slopes of angle and velocity after one period over themselves and the torques.
+
+        Every step is the one at the period's beginning: a pose that went on while time stands
+        would let a loop without stiffness drift where the real one does not.
+        """
+        step, rest = self._arm_step(), np.eye(JOINTS, 3 * JOINTS, 2 * JOINTS)
+        held = np.vstack([step, rest])
+        first = np.linalg.matrix_power(held, part)
+        second = np.linalg.matrix_power(held, self.timing.steps - part)
+        state, both = second[: 2 * JOINTS, : 2 * JOINTS], slice(0, 2 * JOINTS)
+        return (
+            state @ first[both, both],
+            state @ first[both, 2 * JOINTS :],
+            second[both, 2 * JOINTS :],
+        )
+
+    def _arm_step(self) -> Array:
+        """Return slopes of angle and velocity after one step over themselves and the torque."""
+        work, start = self.work, np.concatenate([self.q, self.v, self.load])
+        by = np.repeat([ANGLE, VELOCITY, TORQUE], JOINTS)
+        columns = np.empty((3 * JOINTS, 2 * JOINTS))
+        for column, change in enumerate(np.diag(by)):
+            ends = []
+            for moved in (start + change, start - change):
+                work[[CURRENT + Q, CURRENT + V, APPLIED]] = moved.reshape(3, JOINTS)
+                self._truth.refill()
+                plant_step(self._time, self._arm)
+                ends.append(work[[CURRENT + Q, CURRENT + V]].ravel())
+            columns[column] = (ends[0] - ends[1]) / (2.0 * by[column])
+        return np.asarray(columns.T)
+
+    def map(self, outside: Array | None = None) -> PeriodMap:
+        """Return the linear map of one control period.
+
+        Args:
+            outside: gains of the same law without its layer, or ``None`` where it has none.
+        """
+        whole, part = divmod(self.timing.delay, self.timing.steps)
+        error = self.steepest()
+        learning, rest, reach = self._law_map(error)
+        proportional = reach
+        if outside is not None:
+            within = self._gains.copy()
+            self._gains[:] = outside
+            _, _, proportional = self._law_map(error)
+            self._gains[:] = within
+        size, both = len(learning), slice(0, 2 * JOINTS)
+        own, early, late = learning, np.zeros((size, JOINTS)), np.zeros((size, JOINTS))
+        plant, early[both], late[both] = self._arm_map(part)
+        own[both, both] += plant
+        switching = reach - proportional
+        return PeriodMap(own, late, early, rest, proportional, switching, whole, self.timing)

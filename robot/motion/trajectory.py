@@ -1,0 +1,273 @@
+"""Desired motion q_d, v_d, a_d at a time."""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from slidetune.robot.fields.quantity import JOINTS, JointVector, Number, PerJoint, Section, field
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.workspace import AD, QD, VD
+
+Array = np.ndarray
+
+SINE, QUINTIC, TABLE = 0.0, 1.0, 2.0
+
+_DEGREE = np.pi / 180.0
+
+
+def _degrees(*angles: float) -> tuple[float, ...]:
+    return tuple(float(angle * _DEGREE) for angle in angles)
+
+
+class SineTrajectory(Section):
+    """Every joint swings: the paper's simulation."""
+
+    kind: Literal["sine"] = "sine"
+    amplitude: PerJoint = field(
+        1.0,
+        title="Amplitude",
+        symbol="A",
+        unit="rad",
+        low=-3.0,
+        high=3.0,
+        step=0.01,
+        source="published",
+        meaning="Half the swing of a joint.",
+    )
+    angular_frequency: PerJoint = field(
+        1.0,
+        title="Angular frequency",
+        symbol="ω",
+        unit="rad/s",
+        low=0.0,
+        high=20.0,
+        step=0.05,
+        source="published",
+        meaning="How fast it swings; 1 rad/s as published.",
+    )
+    phase: PerJoint = field(
+        0.0,
+        title="Phase",
+        symbol="α₀",
+        unit="rad",
+        low=-3.1416,
+        high=3.1416,
+        step=0.01,
+        meaning="Where the swing begins.",
+    )
+    offset: PerJoint = field(
+        0.0,
+        title="Offset",
+        symbol="q₀",
+        unit="rad",
+        low=-6.28,
+        high=6.28,
+        step=0.01,
+        meaning="Angle about which it swings.",
+    )
+
+
+class QuinticTrajectory(Section):
+    """From one pose to another by a polynomial of degree five: the paper's experiment."""
+
+    kind: Literal["quintic"] = "quintic"
+    start: JointVector = field(
+        _degrees(0, 90, 90, 180, 90, 0),
+        title="Start",
+        symbol="q_a",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        source="published",
+        meaning="Pose at the beginning.",
+    )
+    end: JointVector = field(
+        _degrees(90, 45, 30, 60, 36, 30),
+        title="End",
+        symbol="q_b",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        source="published",
+        meaning="Pose at the end, then held.",
+    )
+    duration: Number = field(
+        10.0,
+        title="Duration",
+        symbol="T",
+        unit="s",
+        low=0.2,
+        high=60.0,
+        step=0.1,
+        source="inferred",
+        meaning="Time from start to end; the paper gives none.",
+    )
+
+
+class HoldTrajectory(Section):
+    """One pose, held: the step response of an initial error, and the answer to a push."""
+
+    kind: Literal["hold"] = "hold"
+    position: JointVector = field(
+        _degrees(0, 90, 90, 90, -90, 0),
+        title="Pose",
+        symbol="q_d",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        meaning="Joint angles to hold.",
+    )
+
+
+class CircleTrajectory(Section):
+    """The flange runs round a circle with its direction kept, by inverse kinematics."""
+
+    kind: Literal["circle"] = "circle"
+    pose: JointVector = field(
+        _degrees(0, 90, 90, 90, -90, 0),
+        title="Pose on the circle",
+        symbol="q_a",
+        unit="rad",
+        low=-6.2832,
+        high=6.2832,
+        step=0.01,
+        meaning="Joint angles where the circle begins and ends; the default points the tool down.",
+    )
+    radius: Number = field(
+        0.1,
+        title="Radius",
+        symbol="R",
+        unit="m",
+        low=0.005,
+        high=0.5,
+        step=0.005,
+        meaning="Radius of the circle; refused where the arm can't follow.",
+    )
+    period: Number = field(
+        4.0,
+        title="Period",
+        symbol="T",
+        unit="s",
+        low=0.5,
+        high=60.0,
+        step=0.1,
+        meaning="Time for one turn.",
+    )
+    plane: Literal["xy", "xz", "yz"] = field(
+        "xy", title="Plane", meaning="Plane of the circle in the base frame."
+    )
+
+
+Trajectory = Annotated[
+    SineTrajectory | QuinticTrajectory | HoldTrajectory | CircleTrajectory,
+    Field(discriminator="kind"),
+]
+
+
+def _table(period: float, samples: Array) -> Array:
+    head = np.array([TABLE, period, float(len(samples) - 1)])
+    return np.concatenate([head, samples.ravel()])
+
+
+def pack_trajectory(trajectory: Trajectory, turn: Array | None = None) -> Array:
+    """Return a trajectory as numbers for ``reference``.
+
+    Args:
+        trajectory: the trajectory.
+        turn: for a circle, q_d, v_d and a_d along one turn (``robot.circle.follow_circle``).
+            Shape (n + 1, 3, 6).
+
+    Returns:
+        The kind, then its own numbers. Shape (m,).
+    """
+    if isinstance(trajectory, SineTrajectory):
+        block = np.empty((4, JOINTS))
+        block[0], block[1] = trajectory.amplitude, trajectory.angular_frequency
+        block[2], block[3] = trajectory.phase, trajectory.offset
+        return np.concatenate([[SINE], block.ravel()])
+    if isinstance(trajectory, QuinticTrajectory):
+        return np.array([QUINTIC, trajectory.duration, *trajectory.start, *trajectory.end])
+    if isinstance(trajectory, HoldTrajectory):
+        return np.array([QUINTIC, 1.0, *trajectory.position, *trajectory.position])
+    if turn is None:
+        raise ValueError("a circle needs its joint motion along one turn")
+    return _table(trajectory.period, turn)
+
+
+@kernel
+def _sine(t, numbers, work):  # type: ignore[no-untyped-def]
+    sine, cosine = 0.0, 1.0
+    last = 0.0
+    for j in range(JOINTS):
+        amplitude, omega = numbers[1 + j], numbers[1 + JOINTS + j]
+        angle = omega * t + numbers[1 + 2 * JOINTS + j]
+        if angle != last:  # joints that swing together share it, as in the paper
+            sine, cosine, last = sin(angle), cos(angle), angle
+        work[QD, j] = numbers[1 + 3 * JOINTS + j] + amplitude * sine
+        work[VD, j] = amplitude * omega * cosine
+        work[AD, j] = -omega * omega * amplitude * sine
+
+
+@kernel
+def _quintic(t, numbers, work):  # type: ignore[no-untyped-def]
+    duration = numbers[1]
+    u = min(max(t / duration, 0.0), 1.0)
+    blend = u * u * u * (10.0 + u * (6.0 * u - 15.0))
+    rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration
+    bend = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration)
+    for j in range(JOINTS):
+        start, span = numbers[2 + j], numbers[2 + JOINTS + j] - numbers[2 + j]
+        work[QD, j] = start + span * blend
+        work[VD, j] = span * rate
+        work[AD, j] = span * bend
+
+
+@kernel
+def _interpolate(t, numbers, work):  # type: ignore[no-untyped-def]
+    """Quintic Hermite interpolation, so that q_d, v_d and a_d belong together."""
+    period, count = numbers[1], int(numbers[2])
+    turns = t / period
+    place = (turns - np.floor(turns)) * count
+    index = min(int(place), count - 1)
+    u, h = place - index, period / count
+    first = 3 + index * 3 * JOINTS
+    second = first + 3 * JOINTS
+    for j in range(JOINTS):
+        q0, v0, a0 = numbers[first + j], numbers[first + 6 + j], numbers[first + 12 + j]
+        q1, v1, a1 = numbers[second + j], numbers[second + 6 + j], numbers[second + 12 + j]
+        rise = q1 - q0 - h * v0 - 0.5 * h * h * a0
+        slope = h * (v1 - v0) - h * h * a0
+        curve = h * h * (a1 - a0)
+        c3 = 10.0 * rise - 4.0 * slope + 0.5 * curve
+        c4 = -15.0 * rise + 7.0 * slope - curve
+        c5 = 6.0 * rise - 3.0 * slope + 0.5 * curve
+        work[QD, j] = q0 + u * (h * v0 + u * (0.5 * h * h * a0 + u * (c3 + u * (c4 + u * c5))))
+        work[VD, j] = (
+            h * v0 + u * (h * h * a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
+        ) / h
+        work[AD, j] = (h * h * a0 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h)
+
+
+@kernel
+def reference(t, numbers, work):  # type: ignore[no-untyped-def]
+    """Write the desired motion at ``t`` [s] into QD [rad], VD [rad/s] and AD [rad/s^2].
+
+    Args:
+        t: time in [s].
+        numbers: what ``pack_trajectory`` returned. Shape (m,).
+        work: workspace.
+    """
+    kind = numbers[0]
+    if kind == SINE:
+        _sine(t, numbers, work)
+    elif kind == QUINTIC:
+        _quintic(t, numbers, work)
+    else:
+        _interpolate(t, numbers, work)

@@ -1,8 +1,0 @@
-"""The command line; ``python -m server`` without more serves the dashboard."""
-
-from __future__ import annotations
-
-from server.cli import main
-
-if __name__ == "__main__":  # worker processes import this module under another name
-    main()

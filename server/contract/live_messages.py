@@ -1,0 +1,169 @@
+"""What the live WebSocket says to its clients, as typed models."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, Field
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.server.contract.messages import (
+    ErrorDetail,
+    LawInfo,
+    RequestId,
+    SessionState,
+    ViewState,
+)
+
+_PerJoint = Annotated[list[float], Field(min_length=JOINTS, max_length=JOINTS)]
+
+
+class LaneColor(BaseModel):
+    """A lane and the colour that it has everywhere."""
+
+    name: str
+    color: str = Field(pattern="^#[0-9A-F]{6}$", examples=["#0072B2"])
+
+
+class ChannelInfo(BaseModel):
+    """One column of the telemetry frames."""
+
+    name: str = Field(examples=["NFTSM/e1", "q_d1", "flange_d_x"])
+    group: str = Field(
+        description="Quantity: q_d, v_d and flange_d are desired and shared by all lanes; e, de "
+        "(errors), tau (torque), S (sliding variable), f (network), weights, flange belong to one."
+    )
+    joint: int | str = Field(description="Joint from 1, or the axis x, y or z of a place.")
+    lane: str = Field(description="The lane whose it is; empty for what all share.")
+    unit: str = Field(examples=["rad", "N·m"])
+
+
+class HelloMessage(BaseModel):
+    """Everything that a client needs to begin.
+
+    It comes first, and again whenever the columns of the frames change (another experiment, a lane
+    more or less) or the client was too slow for what it was told: what came before it is outdated.
+    """
+
+    type: Literal["hello"]
+    version: str = Field(description="Slidetune's.")
+    client: str = Field(description="The client's own name: the `author` of its patches.")
+    role: Literal["owner", "viewer"] = Field(description="A viewer watches and changes nothing.")
+    revision: int = Field(description="Counts accepted changes of the experiment.")
+    experiment: Experiment = Field(description="The experiment in force.")
+    baseline: Experiment = Field(description="The experiment as it was loaded or saved.")
+    preset: str = Field(description="Name of the preset that it comes from, or empty.")
+    lanes: list[LaneColor] = Field(description="In order.")
+    channels: list[ChannelInfo] = Field(description="The columns of the frames, in order.")
+    laws: list[LawInfo] = Field(description="Every control law that a lane may have.")
+    state: SessionState
+    selected: str = Field(description="The lane whose arm is solid in 3D.")
+    view: ViewState
+
+
+class PatchEcho(BaseModel):
+    """A change of the experiment was accepted; every client is told, its author too."""
+
+    type: Literal["patch"]
+    revision: int = Field(description="The revision that it made; its frames carry the same.")
+    author: str = Field(description="Name of the client that asked; empty for HTTP.")
+    id: RequestId | None = Field(description="What the author called its request.")
+    patch: dict[str, Any] = Field(description="The JSON Merge Patch (RFC 7396).")
+    experiment: Experiment = Field(description="The whole experiment after it.")
+
+
+class Since(BaseModel):
+    """Since when the total of a lane's figures counts."""
+
+    time: float = Field(description="Simulated time of the first row that counts [s].")
+    reason: Literal["reset", "change", "added", "branch"] = Field(
+        description="`reset`: the session was reset, or its experiment loaded. `change`: then the "
+        "lane's closed loop changed last: its law or gains, the arm, the trajectory, the "
+        "disturbance or the simulation; another name is no change, nor are a kick and the horizon. "
+        "`added`: the lane is new or a copy. `branch`: the session went back to this moment."
+    )
+
+
+class Figures(BaseModel):
+    """How good a lane was over a span of time; what comes after a freeze is in none."""
+
+    mae: _PerJoint = Field(description="Mean absolute error [rad], by joint.")
+    max_error: _PerJoint = Field(description="Greatest absolute error [rad], by joint.")
+    max_velocity_error: _PerJoint = Field(description="Greatest velocity error [rad/s], by joint.")
+    chattering: float = Field(description="Total variation of all torques by time [N·m/s].")
+    peak_torque: _PerJoint = Field(description="Greatest absolute torque [N·m], by joint.")
+    flange_rms: float = Field(description="Root mean square of the flange's distance [m].")
+    flange_max: float = Field(description="Greatest distance of the flange [m].")
+
+
+class SamplingMargin(BaseModel):
+    """What the control rate of a sampled controller leaves to spare."""
+
+    stable: bool = Field(description="Whether a small deviation dies out.")
+    radius: float | None = Field(
+        description="Spectral radius of one control period within the boundary layer."
+    )
+    bounded: bool = Field(description="Whether what leaves the layer ends in a limit cycle.")
+    gamma: float | None = Field(description="Sampling margin of the reaching law.")
+    gamma_limit: float | None = Field(description="The gamma from which on this loop is unstable.")
+
+
+class Remark(BaseModel):
+    """A remark on a lane's numbers."""
+
+    level: Literal["info", "warning"] = Field(description="Warning: expect trouble.")
+    path: str = Field(description="The field that it concerns.")
+    message: str = Field(description="The number, the rule and the way out.")
+    patch: dict[str, Any] | None = Field(description="A merge patch that sets a good value.")
+    title: str = Field(description="What to call that patch; empty where its values say it.")
+
+
+class LaneMetrics(BaseModel):
+    """A lane's figures."""
+
+    since: Since
+    total: Figures | None = Field(description="Since then; null before the first row.")
+    recent: Figures | None = Field(
+        description="Over the last 10 s of simulated time, whatever changed."
+    )
+    gamma: float | None = Field(description="As in `margin`; null where nothing is sampled.")
+    margin: SamplingMargin | None = Field(description="Null where nothing is sampled.")
+    notes: list[Remark] = Field(description="What is surprising or bodes trouble.")
+
+
+class MetricsMessage(BaseModel):
+    """The figures of every lane, about twice a second."""
+
+    type: Literal["metrics"]
+    lanes: dict[str, LaneMetrics] = Field(description="By name.")
+
+
+class StateMessage(SessionState):
+    """Where the live session stands, five times a second and at every change."""
+
+
+class NoticeMessage(BaseModel):
+    """A sentence for the people at the screens."""
+
+    type: Literal["notice"]
+    message: str = Field(description="The sentence.")
+
+
+class RefusalMessage(BaseModel):
+    """A message of this client was refused and changed nothing; no other client is told."""
+
+    type: Literal["error"]
+    id: RequestId | None = Field(description="What the client called its request.")
+    error: ErrorDetail
+
+
+SERVER_MESSAGES: tuple[type[BaseModel], ...] = (
+    HelloMessage,
+    StateMessage,
+    MetricsMessage,
+    PatchEcho,
+    NoticeMessage,
+    RefusalMessage,
+)
+"""All of them, in the order in which one meets them."""

@@ -1,0 +1,308 @@
+"""Every message of the HTTP and WebSocket contract as a typed model."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from slidetune.robot.experiment.document import LaneName
+from slidetune.server.live.push import KICK, KICK_DURATION
+from slidetune.server.live.session import SPEEDS
+
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Torque = Annotated[Finite, Field(ge=-1000.0, le=1000.0)]
+RequestId = (
+    Annotated[int, Field(strict=True, ge=-(2**53), le=2**53)]
+    | Annotated[str, Field(strict=True, max_length=80)]
+)
+_REQUEST_ID: TypeAdapter[int | str] = TypeAdapter(RequestId)
+# JSON knows lists only; what is in it is as strict as elsewhere.
+SixTorques = Annotated[tuple[Torque, Torque, Torque, Torque, Torque, Torque], Field(strict=False)]
+
+
+class Strict(BaseModel):
+    """A message that refuses what it doesn't know, and takes no ``true`` for a 1."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class RefusedField(BaseModel):
+    """One refused value."""
+
+    path: str = Field(
+        examples=["lanes.NFTSM.nu", 'lanes."nu 0.5".nu'],
+        description="Dotted keys; one that holds a dot or a quote stands in quotes, as in TOML.",
+    )
+    message: str = Field(
+        examples=["nu must be in [0.01, 100] 1/s, got -3"], description="What is wrong with it."
+    )
+    value: Any = Field(None, examples=[-3], description="What was sent.")
+    allowed: str = Field("", examples=["[0.01, 100] 1/s"], description="What may be sent.")
+    line: int | None = Field(None, description="Line of the YAML text, where there is one.")
+
+
+class ErrorDetail(BaseModel):
+    """What went wrong."""
+
+    code: str = Field(examples=["invalid"], description="What a program can act on.")
+    message: str = Field(description="What is wrong and the way out, for people.")
+    fields: list[RefusedField] = Field([], description="The refused values, where there are any.")
+
+
+class ErrorAnswer(BaseModel):
+    """The one shape of every error."""
+
+    error: ErrorDetail
+
+
+class Health(BaseModel):
+    """Whether the server is well."""
+
+    version: str
+    uptime: float = Field(description="Seconds since the start.")
+    state: Literal["running", "paused"]
+    role: Literal["owner", "viewer"] = Field(description="A viewer watches and changes nothing.")
+    limits: dict[str, int] = Field(description="By name: sizes in bytes, rates a second.")
+
+
+class LawInfo(BaseModel):
+    """One control law."""
+
+    name: str = Field(examples=["rbfnn_nftsm"])
+    title: str
+    summary: str
+    model_based: bool = Field(description="Whether it computes with a model of the arm.")
+    network: bool = Field(description="Whether a network is adapted in it.")
+
+
+class LaneStatus(BaseModel):
+    """Whether a lane runs, and if not, why."""
+
+    status: Literal["running", "frozen"] = Field(description="Frozen: it left its bounds.")
+    time: float | None = Field(description="When it left its bounds [s].")
+    joint: int | None = Field(description="The joint that left them, from 1.")
+    cause: str | None = Field(description="What happened, in words.")
+    gamma: float | None = Field(description="Sampling margin where that is the reason.")
+    radius: float | None = Field(
+        description="Spectral radius of one control period where that is the reason."
+    )
+    began: float = Field(
+        description="When it began from its initial state [s]: 0, or when it was reset by itself."
+    )
+    remark: str | None = Field(
+        description="That the live curves are approximate, where they are, in words."
+    )
+
+
+class ViewState(BaseModel):
+    """How the scene shows the arms."""
+
+    exaggeration: float = Field(description="By how much deviations from the desired are enlarged.")
+    ghosts: bool = Field(description="Whether the arms of the lanes not selected are drawn.")
+
+
+class ResultCounts(BaseModel):
+    """How many results of the live experiment were kept; another number says that there is news."""
+
+    response: int = Field(description="Whole responses: ``GET /api/results/response``.")
+    lens: int = Field(description="Looks through a lens: ``GET /api/results/lens``.")
+
+
+class SessionState(BaseModel):
+    """Where the live session stands."""
+
+    type: Literal["state"]
+    time: float = Field(description="Simulated time [s].")
+    playing: bool = Field(description="Whether time goes on.")
+    speed: float = Field(description="Wanted simulated seconds a wall second.")
+    real_time_factor: float = Field(description="Simulated seconds a wall second, measured.")
+    capped: bool = Field(description="Whether the machine is too slow for the speed.")
+    revision: int = Field(description="Revision of the experiment that is being stepped.")
+    epoch: int = Field(description="Counts resets and loaded experiments.")
+    waiting_steps: int = Field(
+        description="Steps that were asked for and will be made before what is asked for now; "
+        "play, pause, reset and another experiment drop them."
+    )
+    horizon: float = Field(description="Length of a whole response [s].")
+    selected: str = Field(description="The lane whose arm is solid in 3D.")
+    view: ViewState
+    results: ResultCounts = Field(description="How many results watchers may read.")
+    lanes: dict[str, LaneStatus] = Field(description="By name.")
+
+
+_WAITING = "Steps that the live session makes before this takes force; 0: with the next step."
+
+
+class Accepted(BaseModel):
+    """A command that the live session carries out."""
+
+    accepted: Literal[True] = True
+    waiting_steps: int = Field(description=_WAITING)
+
+
+class ExperimentAnswer(BaseModel):
+    """The live document."""
+
+    revision: int
+    preset: str
+    experiment: dict[str, Any]
+    waiting_steps: int = Field(0, description=_WAITING)
+
+
+class PresetSummary(BaseModel):
+    """One preset in a list."""
+
+    name: str
+    title: str
+    description: str
+    shipped: bool
+    problem: str = Field("", description="Why it can't be loaded.")
+
+
+class PresetList(BaseModel):
+    """All presets."""
+
+    presets: list[PresetSummary]
+
+
+class PresetAnswer(PresetSummary):
+    """One preset, whole."""
+
+    experiment: dict[str, Any]
+
+
+class Kick(Strict):
+    """A push of all lanes' joints."""
+
+    torque: SixTorques = Field(KICK, description="Torque by joint [N·m], each within ±1000.")
+    duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="How long it lasts [s].")
+
+
+class Reset(Strict):
+    """What to reset."""
+
+    lane: str | None = Field(
+        None,
+        description="`null`: everything, back to t = 0. Else this lane alone, while time goes on: "
+        "it begins anew where the trajectory is now, with the initial error and velocity that the "
+        "simulation has, empty weights and no torque on its way.",
+    )
+
+
+class Steps(Strict):
+    """How many steps to make."""
+
+    count: int = Field(1, ge=1, le=4000, description="Control steps.")
+
+
+class Speed(Strict):
+    """Simulated seconds a wall second."""
+
+    speed: float = Field(
+        ge=SPEEDS[0], le=SPEEDS[1], description="Multiple of real time.", examples=[0.5]
+    )
+
+
+def is_request_id(value: object) -> bool:
+    """Whether a message may bear this as its ``id``, which comes back in the answer."""
+    try:
+        _REQUEST_ID.validate_python(value)
+    except ValidationError:
+        return False
+    return True
+
+
+class Request(Strict):
+    """What every message to the live session may bear."""
+
+    id: RequestId | None = Field(None, description="Your own name for it: the answer bears it.")
+
+
+class PatchMessage(Request):
+    """Change the experiment by a JSON Merge Patch (RFC 7396); state and time go on."""
+
+    type: Literal["patch"]
+    patch: dict[str, Any] = Field(examples=[{"lanes": {"NFTSM": {"nu": 30}}}])
+
+
+class PlainCommand(Request):
+    """A command without anything to say."""
+
+    type: str
+
+
+class PlayMessage(PlainCommand):
+    """Let time go on; steps that wait are dropped."""
+
+    type: Literal["play"]
+
+
+class PauseMessage(PlainCommand):
+    """Hold time; steps that wait are dropped."""
+
+    type: Literal["pause"]
+
+
+class ResetMessage(Reset, Request):
+    """Reset the session or one lane; steps that wait are dropped with the session's."""
+
+    type: Literal["reset"]
+
+
+class StepMessage(Steps, Request):
+    """Pause and make some steps; at most 4000 wait, more are left out."""
+
+    type: Literal["step"]
+
+
+class KickMessage(Kick, Request):
+    """Push all lanes' joints."""
+
+    type: Literal["kick"]
+
+
+class SpeedMessage(Speed, Request):
+    """Change the speed."""
+
+    type: Literal["speed"]
+
+
+class SelectMessage(Request):
+    """Show a lane's arm solid."""
+
+    type: Literal["select"]
+    lane: str = Field(description="Its name.", examples=["NFTSM"])
+
+
+class ViewMessage(Request):
+    """Change how the scene shows the arms; what is left out stays as it is."""
+
+    type: Literal["view"]
+    exaggeration: float | None = Field(
+        None, ge=1.0, le=50.0, description="Factor by which deviations are enlarged.", examples=[20]
+    )
+    ghosts: bool | None = Field(None, description="Whether the other lanes' arms are drawn.")
+
+
+class LaneMessage(Request):
+    """Add a lane with the gains and the state of another."""
+
+    type: Literal["lane"]
+    origin: str = Field(description="Name of the lane to copy.", examples=["NFTSM"])
+    name: LaneName = Field(description="Name of the new one.", examples=["NFTSM 2"])
+
+
+ClientMessage = Annotated[
+    PatchMessage
+    | PlayMessage
+    | PauseMessage
+    | ResetMessage
+    | StepMessage
+    | KickMessage
+    | SpeedMessage
+    | SelectMessage
+    | ViewMessage
+    | LaneMessage,
+    Field(discriminator="type"),
+]

@@ -1,0 +1,36 @@
+"""What the OpenAPI document says of every route: how it may refuse."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from fastapi import FastAPI
+
+from slidetune.server.contract.messages import ErrorAnswer
+
+YAML = "application/yaml"
+
+REFUSALS: dict[int | str, dict[str, Any]] = {
+    400: {"model": ErrorAnswer, "description": "The body can't be read at all."},
+    401: {"model": ErrorAnswer, "description": "This server asks for its token."},
+    403: {
+        "model": ErrorAnswer,
+        "description": "Another site asks, or somebody who may watch only.",
+    },
+    413: {"model": ErrorAnswer, "description": "The body is too large."},
+    422: {"model": ErrorAnswer, "description": "Values that can't be taken; nothing was changed."},
+}
+"""How every route may refuse; what else one may answer stands with it."""
+OR_YAML: dict[int | str, dict[str, Any]] = {
+    200: {"content": {YAML: {"schema": {"type": "object"}}}}
+}
+"""Answers in JSON, or in YAML where that is asked for."""
+
+
+def methods_at(app: FastAPI, path: str) -> list[str]:
+    """Return every method that the OpenAPI document offers at a path."""
+    for template, operations in app.openapi()["paths"].items():
+        if re.fullmatch(re.sub(r"\{\w+\}", "[^/]+", template), path):
+            return [method.upper() for method in operations]
+    return []

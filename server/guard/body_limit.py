@@ -1,0 +1,50 @@
+"""Refuses request bodies that are too large, on every route and before they are read."""
+
+from __future__ import annotations
+
+from starlette.exceptions import HTTPException
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from slidetune.server.guard.errors import error_body
+from slidetune.server.guard.limits import MAX_BODY
+
+TOO_LARGE = f"The body may hold {MAX_BODY // 1024} KiB at most."
+# What is left of the body is not read: the connection can't carry another request.
+_CLOSE = {"connection": "close"}
+
+
+class BodyLimit:
+    """ASGI middleware: at most ``MAX_BODY`` bytes a request, announced or not."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        """Guard ``app``."""
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on, or answer 413 at once where its length is announced."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        announced = dict(scope["headers"]).get(b"content-length", b"")
+        if announced.isdigit() and int(announced[:20]) > MAX_BODY:
+            answer = JSONResponse(error_body("too_large", TOO_LARGE), 413, _CLOSE)
+            await answer(scope, receive, send)
+            return
+        await self._app(scope, _counted(receive), send)
+
+
+def _counted(receive: Receive) -> Receive:
+    """Return ``receive`` that breaks off, as a refusal, where a body of unknown length grows."""
+    count = 0
+
+    async def counted() -> Message:
+        nonlocal count
+        message = await receive()
+        if message["type"] == "http.request":
+            count += len(message.get("body", b""))
+            if count > MAX_BODY:
+                raise HTTPException(413, TOO_LARGE, _CLOSE)
+        return message
+
+    return counted

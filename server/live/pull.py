@@ -1,0 +1,87 @@
+"""Where a hand has taken the arm, and the force that it pulls with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+
+from slidetune.robot.arm.arm import FLANGE, build_model
+from slidetune.robot.arm.section import Robot
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A point of one link.
+
+    Attributes:
+        joint: the link moves with this joint, 1 to 6.
+        point: in the frame of that joint in [m]. Shape (3,).
+    """
+
+    joint: int
+    point: Array
+
+    def place(self, angles: Array) -> Array:
+        """Return where the point is in the base frame in [m]. Shape (3,); of ``angles`` (6,)."""
+        place: Array = _placement(angles, self.joint).act(self.point)
+        return place
+
+    def torque(self, model: pin.Model, data: pin.Data, angles: Array, force: Array) -> Array:
+        r"""Return the joint torques of a force at the point: :math:`J^T f`.
+
+        Args:
+            model: the arm.
+            data: of the model.
+            angles: joint angles in [rad]. Shape (6,).
+            force: in the base frame in [N]. Shape (3,).
+
+        Returns:
+            In [N m]. Shape (6,).
+        """
+        pin.computeJointJacobians(model, data, angles)
+        axes = pin.LOCAL_WORLD_ALIGNED
+        jacobian = pin.getJointJacobian(model, data, self.joint, axes)
+        lever = data.oMi[self.joint].rotation @ self.point
+        torque: Array = jacobian[:3].T @ force + jacobian[3:].T @ np.cross(lever, force)
+        return torque
+
+
+@dataclass(frozen=True)
+class Pull:
+    """A force at a point of the arm.
+
+    Attributes:
+        grip: where.
+        force: in the base frame in [N]. Shape (3,).
+    """
+
+    grip: Grip
+    force: Array
+
+
+def grip_at(joint: int, place: Array, angles: Array) -> Grip:
+    """Return the point of the link of ``joint`` that is at ``place`` [m] in the base frame."""
+    return Grip(joint, _placement(angles, joint).actInv(place))
+
+
+@cache
+def flange_grip() -> Grip:
+    """Return the middle of the flange."""
+    frame = _model().frames[_model().getFrameId(FLANGE)]
+    return Grip(frame.parentJoint, np.array(frame.placement.translation))
+
+
+@cache
+def _model() -> pin.Model:
+    return build_model(Robot())
+
+
+def _placement(angles: Array, joint: int) -> pin.SE3:
+    data = _model().createData()
+    pin.forwardKinematics(_model(), data, angles)
+    return data.oMi[joint]

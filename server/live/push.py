@@ -1,0 +1,54 @@
+"""What a person does to the arm: a kick from the screen, a pull at one of its links."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.workspace import PUSH, Q
+from slidetune.robot.loop.closed_loop import ClosedLoop
+from slidetune.server.live.pull import Pull
+
+Array = np.ndarray
+
+KICK = (60.0, 60.0, 40.0, 10.0, 5.0, 2.0)
+"""Torque of a kick where none is given in [N m] (*ours*)."""
+KICK_DURATION = 0.1
+"""How long a kick lasts where nothing is said in [s] (*ours*)."""
+
+
+class Push:
+    """The torque that a person puts on the joints of every lane."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self.clear()
+
+    def clear(self) -> None:
+        """Let go."""
+        self._torque = np.zeros(JOINTS)
+        self._until = -1.0
+        self._active = True
+
+    def kick(self, torque: Array, until: float) -> None:
+        """Push with ``torque`` [N m] until simulated time ``until`` [s]."""
+        self._torque, self._until, self._active = torque, until, True
+
+    def apply(self, loop: ClosedLoop, pull: Pull | None) -> None:
+        r"""Set the push of every lane for its next steps: the kick plus :math:`J^T f`.
+
+        Args:
+            loop: the closed loop.
+            pull: the force on the same point of every lane's arm, or ``None``.
+        """
+        kicked = loop.time < self._until
+        if not (kicked or pull is not None or self._active):
+            return
+        self._active = kicked or pull is not None
+        model = loop.packed.model
+        data = model.createData() if pull is not None else None
+        for lane in loop.lanes.values():
+            torque = self._torque.copy() if kicked else np.zeros(JOINTS)
+            if pull is not None:
+                torque += pull.grip.torque(model, data, lane.work[Q], pull.force)
+            lane.work[PUSH] = torque

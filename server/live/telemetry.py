@@ -1,0 +1,150 @@
+"""A ring of the last rows of every channel; every reader has its own cursor into it."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+
+from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.workspace import RECORD
+from slidetune.robot.loop.closed_loop import ClosedLoop
+
+Array = np.ndarray
+
+ROWS = 32768
+"""Rows that the ring holds (*ours*): half a minute at 1 kHz."""
+LAG = 4096
+"""Rows that a reader may be behind before it is skipped ahead (*ours*)."""
+
+HEADER_FIELDS = (
+    ("revision", "I", "", "Revision of the experiment that made these rows."),
+    ("rows", "I", "", "How many rows follow."),
+    ("columns", "I", "", "How many columns: as many as hello has channels."),
+    ("dropped", "I", "", "Rows left out before the first one, because this client was too slow."),
+    ("time", "d", "s", "Simulated time of the first row."),
+    ("period", "d", "s", "Simulated time between two rows."),
+)
+"""What stands before the rows of a frame, in order: name, ``struct`` code, unit and meaning."""
+HEADER = struct.Struct("<" + "".join(code for _, code, _, _ in HEADER_FIELDS))
+
+SHARED = (("q_d", "rad"), ("v_d", "rad/s"))
+OWN = (("e", "rad"), ("de", "rad/s"), ("tau", "N·m"), ("S", "rad/s"), ("f", "N·m"))
+AXES = ("x", "y", "z")
+
+_COLUMN = {name: slice(JOINTS * i, JOINTS * (i + 1)) for i, name in enumerate(RECORD)}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One column of telemetry."""
+
+    name: str
+    group: str
+    joint: int | str
+    lane: str
+    unit: str
+
+
+def channels(lanes: list[str]) -> list[Channel]:
+    """Return the columns of a row, in order: what all share, then each lane's own."""
+
+    def joints(group: str, unit: str, lane: str = "") -> list[Channel]:
+        prefix = f"{lane}/" if lane else ""
+        return [Channel(f"{prefix}{group}{j}", group, j, lane, unit) for j in range(1, JOINTS + 1)]
+
+    def axes(group: str, lane: str = "") -> list[Channel]:
+        prefix = f"{lane}/" if lane else ""
+        return [Channel(f"{prefix}{group}_{axis}", group, axis, lane, "m") for axis in AXES]
+
+    columns = [channel for group, unit in SHARED for channel in joints(group, unit)]
+    columns += axes("flange_d")
+    for lane in lanes:
+        columns += [channel for group, unit in OWN for channel in joints(group, unit, lane)]
+        columns += joints("weights", "N·m", lane) + axes("flange", lane)
+    return columns
+
+
+def rows_of(loop: ClosedLoop, first: int, last: int) -> Array:
+    """Return the telemetry of the steps ``first`` to ``last - 1``. Shape (n, columns)."""
+    index = np.arange(first, last) % loop.rows
+    records = [lane.record[index] for lane in loop.lanes.values()]
+    desired = records[0][:, _COLUMN["q_d"]], records[0][:, _COLUMN["v_d"]]
+    blocks: list[Array] = [*desired, flange_positions(desired[0])]
+    for record in records:
+        q = record[:, _COLUMN["q"]]
+        blocks += [desired[0] - q, desired[1] - record[:, _COLUMN["v"]]]
+        blocks += [record[:, _COLUMN[name]] for name in ("tau", "S", "f", "weights")]
+        blocks.append(flange_positions(q))
+    return np.hstack(blocks)
+
+
+class Telemetry:
+    """Rows written by one thread and read by others.
+
+    The writer fills rows before it raises ``written``, and a reader never asks for the oldest part
+    of the ring, so that no lock is needed.
+
+    Attributes:
+        columns: the channels, in order.
+        written: how many rows have been written in all.
+    """
+
+    def __init__(self, lanes: list[str], rows: int = ROWS) -> None:
+        """Make room for ``rows`` rows."""
+        self.columns = channels(lanes)
+        self.written = 0
+        self._rows = rows
+        self._data = np.zeros((rows, len(self.columns)), dtype=np.float32)
+        self._time = np.zeros(rows)
+        self._period = np.zeros(rows)
+        self._revision = np.zeros(rows, dtype=np.int64)
+
+    def write(self, block: Array, time: float, period: float, revision: int) -> None:
+        """Append rows.
+
+        Args:
+            block: rows. Shape (n, columns).
+            time: time of the first in [s].
+            period: time between rows in [s].
+            revision: revision of the experiment that made them.
+        """
+        count = len(block)
+        index = (self.written + np.arange(count)) % self._rows
+        limit = np.finfo(np.float32).max
+        self._data[index] = np.clip(block, -limit, limit)
+        self._time[index] = time + period * np.arange(count)
+        self._period[index] = period
+        self._revision[index] = revision
+        self.written += count
+
+    def frame(self, cursor: int) -> tuple[bytes, int] | None:
+        """Return the next frame for a reader, and its new cursor; ``None`` if there is none.
+
+        A frame holds one revision and one period, and time runs forward in it. A reader that is
+        more than ``LAG`` rows behind is skipped ahead; the frame says how many rows it missed.
+        """
+        written = self.written
+        if cursor >= written:
+            return None
+        dropped = max(0, written - LAG - cursor)
+        first = cursor + dropped
+        index = np.arange(first, written) % self._rows
+        breaks = (
+            (np.diff(self._revision[index]) != 0)
+            | (np.diff(self._period[index]) != 0.0)
+            | (np.diff(self._time[index]) <= 0.0)
+        )
+        count = int(np.argmax(breaks)) + 1 if breaks.any() else len(index)
+        index = index[:count]
+        head = HEADER.pack(
+            int(self._revision[index[0]]) & 0xFFFFFFFF,
+            count,
+            len(self.columns),
+            dropped,
+            float(self._time[index[0]]),
+            float(self._period[index[0]]),
+        )
+        return head + self._data[index].T.tobytes(), first + count

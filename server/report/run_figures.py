@@ -1,0 +1,74 @@
+"""The figures of a headless run as one HTML file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.simulate import LaneRun, Run
+from slidetune.server.live.lane_colors import LaneColors
+from slidetune.server.report.figure_page import (
+    DESIRED,
+    Curve,
+    Figure,
+    Section,
+    figure_page,
+    html_paragraphs,
+)
+
+Array = np.ndarray
+Column = Callable[[LaneRun], Array]
+
+
+def curves(run: Run, column: Column, desired: Array | None = None) -> tuple[Curve, ...]:
+    """Return one column of every lane, in the lanes' colours, and the desired one above them.
+
+    Args:
+        run: the run.
+        column: takes the column from a lane. Shape (n,).
+        desired: the desired values, if there are any. Shape (n,).
+    """
+    colors = LaneColors()
+    colors.assign(list(run.lanes))
+    lanes = [
+        Curve(name, colors.of(name), run.time, column(lane)) for name, lane in run.lanes.items()
+    ]
+    above = [] if desired is None else [Curve(DESIRED, "", run.time, desired)]
+    return (*lanes, *above)
+
+
+def _joints(run: Run, title: str, axis: str, name: str, desired: Array | None = None) -> Section:
+    def figure(joint: int) -> Figure:
+        wanted = None if desired is None else desired[:, joint]
+        lines = curves(run, lambda lane: getattr(lane, name)[:, joint], wanted)
+        return Figure(f"Joint {joint + 1}", "", axis, lines)
+
+    return Section(title, tuple(figure(joint) for joint in range(JOINTS)))
+
+
+def _distance(lane: LaneRun) -> Array:
+    distance: Array = np.linalg.norm(lane.flange - lane.flange_desired, axis=1)
+    return distance * 1e3
+
+
+def run_page(run: Run) -> str:
+    """Return a page with position, error, velocity error and torque of all joints."""
+    experiment = run.experiment
+    flange = Figure("Flange", "", "distance from the desired one [mm]", curves(run, _distance))
+    sections = [
+        _joints(run, "Position", "q [rad]", "q", run.q_d),
+        _joints(run, "Position error", "e [rad]", "e"),
+        _joints(run, "Velocity error", "de [rad/s]", "de"),
+        _joints(run, "Torque", "τ [N·m]", "tau"),
+        Section("Flange error", (flange,)),
+    ]
+    causes = [f"{name}: {lane.freeze.cause}" for name, lane in run.lanes.items() if lane.freeze]
+    doubts = [
+        f"{name}: {lane.accuracy.remark}"
+        for name, lane in run.lanes.items()
+        if lane.accuracy.remark
+    ]
+    body = html_paragraphs([experiment.description, *causes, *doubts])
+    return figure_page(experiment.title or "Untitled experiment", body, sections)

@@ -1,0 +1,185 @@
+"""What a running server holds: session, document, scene, and what it says of them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import asdict
+from time import monotonic
+from typing import Any
+
+from slidetune.robot import __version__
+from slidetune.robot.advice.advice import notes
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.laws import LAWS
+from slidetune.robot.margins.margin import loop_margin
+from slidetune.server.compute.preview import Previews
+from slidetune.server.compute.workers import Workers
+from slidetune.server.live.lane_colors import LaneColors
+from slidetune.server.live.session import Session
+from slidetune.server.live.telemetry import Telemetry
+from slidetune.server.scene.feed import StageView
+from slidetune.server.scene.scene import Scene
+from slidetune.server.state.document import Document
+from slidetune.server.state.edit_history import EditHistory
+from slidetune.server.state.last_results import LastResults
+
+log = logging.getLogger("slidetune.studio")
+
+
+def law_infos() -> list[dict[str, Any]]:
+    """Return name, title and summary of every law."""
+    names = ("name", "title", "summary", "model_based", "network")
+    return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
+
+
+_NO_REMARKS: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
+
+
+def _remarks(packed: Packed, name: str) -> dict[str, Any]:
+    """Return margin and remarks of a lane; a law that fails has none."""
+    sampled = packed.experiment.simulation.mode == "sampled"
+    try:
+        margin = loop_margin(packed, name) if sampled else None
+        return {
+            "gamma": margin and margin.gamma,
+            "margin": margin and margin.document(),
+            "notes": [asdict(note) for note in notes(packed, name)],
+        }
+    except Exception:
+        log.exception("The numbers of lane %s can't be judged.", name)
+        return _NO_REMARKS
+
+
+class Studio:
+    """Everything that lives as long as the server.
+
+    Attributes:
+        document: the live document.
+        session: the stepping thread.
+        view: the 3D view.
+        history: who changed what.
+        workers: processes for whole runs.
+        previews: whole responses for the screen.
+        results: what the owner last asked for of the live experiment.
+        started: monotonic time of the start in [s].
+    """
+
+    def __init__(self, experiment: Experiment, preset: str = "") -> None:
+        """Build all parts; ``start`` lets them run."""
+        packed = pack(experiment)
+        self.colors = LaneColors()
+        self.colors.assign(list(packed.gains))
+        self.view = StageView(Scene(), self.colors)
+        self.session = Session(packed, self.view)
+        self.document = Document(packed, preset, self.session, self.colors)
+        self.history = EditHistory(experiment)
+        self.document.listeners.append(self.history.note)
+        self.workers = Workers()
+        self.previews = Previews(self.workers)
+        self.results = LastResults()
+        self.started = monotonic()
+        self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
+
+    def start(self) -> None:
+        """Let time go on, and start the workers."""
+        self.view.draw(self.session.loop)  # the first picture is slow: not on the session's time
+        self.session.start()
+        self.workers.start()
+
+    def stop(self) -> None:
+        """End the session, the workers and the scene."""
+        self.session.stop()
+        self.workers.stop()
+        self.view.scene.close()
+
+    def experiment_of(
+        self, document: Mapping[str, Any] | None, patch: Mapping[str, Any]
+    ) -> Experiment:
+        """Return the live experiment, or the one that ``document`` describes, with a patch.
+
+        Raises:
+            InvalidExperimentError: naming every refused field.
+        """
+        base = self.document.experiment
+        if document is not None:
+            base = Experiment.from_document(document)
+        return base.patched(patch) if patch else base
+
+    def refuse_unknown(self, lane: str) -> None:
+        """Refuse the name of a lane that there isn't.
+
+        Raises:
+            InvalidExperimentError: naming those that there are.
+        """
+        lanes = self.document.experiment.lanes
+        if lane not in lanes:
+            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
+            raise InvalidExperimentError([FieldError("lane", text, lane)])
+
+    def reset(self, lane: str | None) -> None:
+        """Reset the session, or one lane alone.
+
+        Raises:
+            InvalidExperimentError: for an unknown lane.
+            SessionBusyError: if one lane is meant, and as many commands wait as may.
+        """
+        if lane is None:
+            self.session.reset()
+        else:
+            self.refuse_unknown(lane)
+            self.session.reset_lane(lane)
+
+    def health(self) -> dict[str, Any]:
+        """Return version, uptime and state."""
+        state = "running" if self.session.playing else "paused"
+        return {"version": __version__, "uptime": monotonic() - self.started, "state": state}
+
+    def state(self) -> dict[str, Any]:
+        """Return the ``state`` message."""
+        view = {"exaggeration": self.view.exaggeration, "ghosts": self.view.ghosts}
+        lanes = self.document.experiment.lanes
+        selected = self.view.selected if self.view.selected in lanes else next(iter(lanes))
+        return {
+            "type": "state",
+            **self.session.state(),
+            "selected": selected,
+            "view": view,
+            "results": self.results.counts(),
+        }
+
+    def metrics(self) -> dict[str, Any]:
+        """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
+        remarks = self._current_remarks()
+        lanes = {
+            name: {**figures, **remarks.get(name, _NO_REMARKS)}
+            for name, figures in self.session.figures.document().items()
+        }
+        return {"type": "metrics", "lanes": lanes}
+
+    def _current_remarks(self) -> dict[str, Any]:
+        packed = self.document.packed
+        if self._remarks[0] is not packed:
+            self._remarks = (packed, {name: _remarks(packed, name) for name in packed.gains})
+        return self._remarks[1]
+
+    def hello(self, client: str, telemetry: Telemetry) -> dict[str, Any]:
+        """Return the ``hello`` message for a client that is about to read ``telemetry``."""
+        document, state = self.document, self.state()
+        return {
+            "type": "hello",
+            "version": __version__,
+            "client": client,
+            "revision": document.revision,
+            "experiment": document.experiment.document(),
+            "baseline": document.baseline.document(),
+            "preset": document.preset,
+            "lanes": self.colors.document(),
+            "channels": [asdict(channel) for channel in telemetry.columns],
+            "laws": law_infos(),
+            "state": state,
+            "selected": state["selected"],
+            "view": state["view"],
+        }

@@ -1,0 +1,105 @@
+"""When the page asks for a response, and what it shows until that is there."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import time
+
+import pytest
+from playwright.sync_api import Page, Route, expect
+
+from tests.browser.conftest import Complaints, Dashboard, StartDashboard, stop
+from tests.browser.response.test_response import (
+    AGREEMENT,
+    LANES,
+    expected_figures,
+    figures,
+    held,
+    open_response,
+    revision,
+    simulated,
+    slider,
+    until_exact,
+)
+
+QUICK_RUNS = 3
+"""So many end during a drag, before the last one."""
+REST_MS = 800
+"""A hand that rests on a slider for so long gets the exact run."""
+
+
+def test_a_hand_that_lets_go_before_its_quick_run_ends_gets_no_second_exact_run(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_response(page, dashboard)
+    asked: list[bool] = []
+    waiting: list[Route] = []
+
+    def take(route: Route) -> None:
+        asked.append(route.request.post_data_json["quick"])
+        if asked.count(True) > QUICK_RUNS and not waiting:
+            waiting.append(route)
+        else:
+            route.continue_()
+
+    page.route("**/api/preview", take)
+    track = slider(page, "lanes.RBFNN-NFTSM.c").bounding_box()
+    assert track is not None
+    with held(page, "lanes.RBFNN-NFTSM.c"):
+        deadline = time.monotonic() + 30.0
+        for step in itertools.count():
+            if waiting:
+                break
+            assert time.monotonic() < deadline, "too few quick runs"
+            share = 0.4 + 0.1 * (step % 2)
+            page.mouse.move(track["x"] + track["width"] * share, track["y"] + track["height"] / 2)
+            page.wait_for_timeout(50)
+    waiting[0].continue_()
+    until_exact(page, dashboard)
+    before = len(asked)
+    page.wait_for_timeout(REST_MS + 500)
+    assert len(asked) == before
+
+
+def test_a_response_that_stays_behind_is_seen_to_be_out_of_date(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_response(page, dashboard)
+    waiting: list[Route] = []
+    released: list[bool] = []
+    page.route(
+        "**/api/preview", lambda route: route.continue_() if released else waiting.append(route)
+    )
+    before = revision(dashboard)
+    dashboard.client.post("/api/presets/realistic/load").raise_for_status()
+    response, status = page.locator(".response"), page.locator(".response-status")
+    expect(response).to_have_class(re.compile("is-behind"))
+    expect(page.locator(".response-table tbody").first).to_have_css("opacity", "0.4")
+    expect(status).to_have_text(f"rev {before}, now {before + 1} · exact run")
+    released.append(True)
+    for route in waiting:
+        route.continue_()
+    until_exact(page, dashboard)
+    expect(response).not_to_have_class(re.compile("is-behind"))
+
+
+@pytest.mark.fresh
+def test_a_response_of_a_server_that_was_there_before_is_not_taken_for_the_present_one(
+    page: Page, start_dashboard: StartDashboard, complaints: Complaints
+) -> None:
+    complaints.allow("ERR_|WebSocket|closed before|connection")
+    first = start_dashboard()
+    open_response(page, first)
+    page.locator("[data-view=live]").click()
+    port = stop(first)
+    second = start_dashboard("--port", port, "--preset", "paper-undisturbed")
+    expect(page.locator(".preset-button")).to_contain_text("paper-undisturbed", timeout=60_000)
+    # Both began at the same revision.
+    assert revision(second) == 1
+    page.locator("[data-view=response]").click()
+    expect(page.locator(".response-table tbody tr")).to_have_count(len(LANES))
+    until_exact(page, second)
+    run = simulated(second)
+    for lane in LANES:
+        assert figures(page, lane) == pytest.approx(expected_figures(run, lane), rel=AGREEMENT)

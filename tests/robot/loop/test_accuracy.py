@@ -1,0 +1,137 @@
+"""A run says how good it is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from slidetune.robot import load_preset
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.accuracy import GOOD, difference, judge, second_run
+from slidetune.robot.loop.simulate import LaneRun, simulate
+
+HARSH: dict[str, Any] = {"law": "computed_torque", "kp": 9000.0, "kd": 0.2}
+
+
+def experiment_of(lane: dict[str, Any], **simulation: Any) -> Experiment:
+    document = {
+        "robot": {"armature": 0.3},
+        "lanes": {"A": lane},
+        "simulation": {"horizon": 0.5, "initial_error": 0.3, **simulation},
+    }
+    return Experiment.from_document(document)
+
+
+def lane_of(experiment: Experiment) -> LaneRun:
+    (lane,) = simulate(experiment).lanes.values()
+    return lane
+
+
+@pytest.mark.parametrize("scheme", ["plain", "extrapolated"])
+@pytest.mark.parametrize("step", [0.0002, 0.001, 0.005])
+def test_the_error_is_at_most_three_times_its_estimate(scheme: str, step: float) -> None:
+    for lane in ({"law": "smc"}, {"law": "rbfnn_nftsm", "nu": 30.0}, {**HARSH, "kd": 5.0}):
+        found = lane_of(experiment_of(lane, scheme=scheme, step=step))
+        truth = lane_of(experiment_of(lane, step=0.00005))
+        error = np.abs(found.q - truth.q[:: round(step / 0.00005)]).max()
+        assert found.accuracy.error_estimate is not None
+        assert error <= max(1e-7, 3.0 * found.accuracy.error_estimate)
+        assert found.accuracy.error_estimate <= max(1e-6, 30.0 * error)
+
+
+def test_a_sampled_run_is_judged_as_well() -> None:
+    lane = {"law": "smc", "k1": 5.0, "k2": 1.0}
+    sampled = {"mode": "sampled", "control_rate": 200.0}
+    truth = lane_of(experiment_of(lane, **sampled, plant_substeps=200))
+    for substeps in (1, 3, 4, 25):
+        found = lane_of(experiment_of(lane, **sampled, plant_substeps=substeps))
+        error = np.abs(found.q - truth.q).max()
+        assert error > 1e-7
+        assert error <= 3.0 * found.accuracy.error_estimate <= 30.0 * error
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.001, 0.0003, 0.00025, 0.0104])
+@pytest.mark.parametrize("substeps", [1, 2, 5, 10])
+def test_the_second_run_holds_the_same_delay(delay: float, substeps: int) -> None:
+    simulation = {"mode": "sampled", "input_delay": delay, "plant_substeps": substeps}
+    first = experiment_of({"law": "smc"}, **simulation)
+    second, stride, _ = second_run(first)
+    assert stride == 1
+    assert second.simulation.plant_substeps != substeps
+    (whole, part), (other_whole, other_part) = first.simulation.delay, second.simulation.delay
+    lasts = whole + part / substeps
+    others = other_whole + other_part / second.simulation.plant_substeps
+    wanted = delay * first.simulation.control_rate
+    # As the first has it, or nearer to what was asked for.
+    assert abs(others - wanted) <= abs(lasts - wanted) + 1e-12
+
+
+def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
+    experiment = experiment_of(HARSH, step=0.005, scheme="plain")
+    accuracy = lane_of(experiment).accuracy
+    assert accuracy.error_estimate > GOOD
+    assert "off by up to" in accuracy.remark
+    if accuracy.patch is None:
+        assert "No step" in accuracy.remark
+    better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.005}})
+    accuracy = lane_of(better).accuracy
+    assert accuracy.patch is not None
+    for _ in range(4):
+        better = better.patched(accuracy.patch)
+        accuracy = lane_of(better).accuracy
+        if accuracy.patch is None:
+            break
+    assert accuracy.error_estimate <= GOOD
+    assert accuracy.remark == ""
+
+
+def test_an_unsolved_step_is_never_passed_over() -> None:
+    accuracy = judge(experiment_of(HARSH), 1e-9, unconverged=3, left=0.25, capped=0)
+    assert "3 steps was not solved" in accuracy.remark
+    assert "0.2 rad/s" in accuracy.remark
+    assert judge(experiment_of(HARSH), 1e-9, 0, 0.0, 5).remark == ""
+
+
+def test_rows_that_ran_out_of_parts_make_the_estimate_doubtful_in_words() -> None:
+    accuracy = judge(experiment_of(HARSH), 1e-9, 0, 0.0, capped=100)
+    assert "100 rows were not cut as far as their own error asked" in accuracy.remark
+    assert "greater than estimated" in accuracy.remark
+
+
+def test_nobody_pays_for_an_estimate_that_nobody_asked_for() -> None:
+    (lane,) = simulate(experiment_of({"law": "smc"}), estimate=False).lanes.values()
+    assert lane.accuracy.error_estimate is None
+    assert lane.accuracy.remark == ""
+
+
+def test_the_estimate_changes_nothing_of_the_run() -> None:
+    experiment = experiment_of({"law": "rbfnn_smc"})
+    one, other = simulate(experiment), simulate(experiment, estimate=False)
+    np.testing.assert_array_equal(one.lanes["A"].q, other.lanes["A"].q)
+    np.testing.assert_array_equal(one.lanes["A"].tau, other.lanes["A"].tau)
+
+
+def test_differences_end_where_one_of_both_does() -> None:
+    q = np.zeros((5, 6))
+    other = q.copy()
+    other[2:] = 7.0
+    q[3:] = np.nan
+    assert difference(q, other) == 7.0
+    q[2:] = np.nan
+    assert difference(q, other) == 0.0
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-undisturbed", "experiment-quintic"])
+def test_shipped_presets_are_good(name: str) -> None:
+    for lane in simulate(load_preset(name)).lanes.values():
+        assert lane.accuracy.error_estimate < 1e-4
+        assert lane.accuracy.remark == ""
+
+
+def test_its_document_is_plain() -> None:
+    document = lane_of(experiment_of({"law": "smc"})).accuracy.document()
+    assert set(document) == {"error_estimate", "unconverged", "capped", "remark", "patch"}
+    assert type(document["error_estimate"]) is float
+    assert type(document["capped"]) is int

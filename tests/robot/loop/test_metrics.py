@@ -1,0 +1,149 @@
+"""Figures of a lane, against signals whose figures are known."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.lessons.claim import Claim, measured
+from slidetune.robot.loop.metrics import (
+    high_frequency_torque,
+    measure_lane,
+    reaching_times,
+    total_variation,
+)
+from slidetune.robot.loop.simulate import simulate
+
+Array = np.ndarray
+
+
+def tone(frequency: float, amplitude: float, rate: float, seconds: float = 4.0) -> Array:
+    """Return a torque that swings in joint 1 alone. Shape (n, 6)."""
+    torque = np.zeros((round(rate * seconds), JOINTS))
+    torque[:, 0] = amplitude * np.cos(2.0 * np.pi * frequency * np.arange(len(torque)) / rate + 0.3)
+    return torque
+
+
+def columns(n: int) -> dict[str, Array]:
+    random = np.random.default_rng(3)
+    shapes = {name: (n, JOINTS) for name in ("e", "de", "tau", "S")}
+    shapes |= {"flange": (n, 3), "flange_desired": (n, 3)}
+    return {name: random.normal(size=shape) for name, shape in shapes.items()}
+
+
+def test_total_variation_is_the_way_that_the_torque_goes_in_a_second() -> None:
+    up_and_down = np.zeros((5, JOINTS))
+    up_and_down[:, 0], up_and_down[:, 3] = (0, 1, 0, 1, 0), (0, 0, -2, 0, 0)
+    assert total_variation(up_and_down, 0.5) == pytest.approx((4.0 + 4.0) / 2.0)
+
+
+def test_total_variation_of_a_tone_does_not_depend_on_the_sampling() -> None:
+    for rate in (2000.0, 8000.0):
+        found = total_variation(tone(10.0, 3.0, rate), 1.0 / rate)
+        assert found == pytest.approx(4 * 3.0 * 10.0, rel=0.01)
+
+
+@pytest.mark.parametrize("rate", [250.0, 1000.0, 4000.0])
+@pytest.mark.parametrize("frequency", [60.0, 80.0, 110.0])
+def test_tone_above_fifty_hertz_counts_with_its_effective_value(
+    rate: float, frequency: float
+) -> None:
+    found = high_frequency_torque(tone(frequency, 3.0, rate), 1.0 / rate)
+    assert found == pytest.approx(3.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize("frequency", [0.0, 0.2, 5.0, 35.0])
+def test_tone_below_fifty_hertz_does_not_count(frequency: float) -> None:
+    found = high_frequency_torque(tone(frequency, 1000.0, 1000.0) + 500.0, 1e-3)
+    assert found == pytest.approx(0.0, abs=0.01)
+
+
+def test_joints_add_up_as_squares() -> None:
+    torque = tone(100.0, 3.0, 1000.0)
+    torque[:, 5] = 4.0 / 3.0 * np.roll(torque[:, 0], 3)
+    found = high_frequency_torque(torque, 1e-3)
+    assert found == pytest.approx(5.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize(("rate", "rows"), [(100.0, 1000), (80.0, 1000), (1000.0, 100)])
+def test_chattering_is_unknown_where_it_can_not_be_told(rate: float, rows: int) -> None:
+    assert high_frequency_torque(np.ones((rows, JOINTS)), 1.0 / rate) is None
+
+
+def test_reaching_time_is_the_first_within_the_layer() -> None:
+    time, sliding = np.arange(5) * 0.1, np.full((5, JOINTS), 9.0)
+    sliding[2:, 0], sliding[1, 1], sliding[0, 2], sliding[4, 3] = -0.5, 1.0, 0.0, 1.01
+    found = reaching_times(time, sliding, np.ones(JOINTS))
+    assert found == (pytest.approx(0.2), pytest.approx(0.1), 0.0, None, None, None)
+
+
+def test_s_that_jumps_across_a_thin_layer_has_reached_it() -> None:
+    time, sliding = np.arange(5) * 0.1, np.full((5, JOINTS), 9.0)
+    sliding[2:, 0] = -9.0
+    sliding[3, 1] = -0.01
+    layer = np.full(JOINTS, 1e-3)
+    assert reaching_times(time, sliding, layer)[:3] == (
+        pytest.approx(0.2),
+        pytest.approx(0.3),
+        None,
+    )
+
+
+def test_nothing_is_reached_where_no_law_tries() -> None:
+    sliding = np.zeros((5, JOINTS))
+    sliding[:, 1] = 1.0, 0.0, -1.0, 0.0, 1.0
+    assert reaching_times(np.arange(5) * 0.1, sliding, np.zeros(JOINTS)) == (None,) * JOINTS
+
+
+def test_a_span_without_a_row_has_no_figures_rather_than_zeros() -> None:
+    found = measure_lane(np.empty(0), columns(0), np.ones(JOINTS), 0.3)
+    document = found.document()
+    assert document.pop("diverged_at") == 0.3
+    numbers = [one for value in document.values() for one in np.atleast_1d(value)]
+    assert len(numbers) == 5 * JOINTS + 4
+    assert set(numbers) == {None}
+
+
+def test_a_lane_that_ended_before_a_span_has_no_figures_there() -> None:
+    falling = {"law": "rbfnn_smc", "k1": 0, "k2": 0, "learning_rate": 0}
+    experiment = Experiment.from_document(
+        {
+            "lanes": {"A": falling},
+            "disturbance": {"constant": -50.0},
+            "simulation": {"horizon": 0.2},
+        }
+    )
+    lane = simulate(experiment, estimate=False).lanes["A"]
+    assert lane.freeze is not None
+    assert (lane.metrics_since(lane.freeze.time - 1e-9).max_error > 0.0).all()
+    after = lane.metrics_since(lane.freeze.time + 1e-9)
+    assert np.isnan([*after.mae, after.chattering, after.flange_rms]).all()
+    assert after.diverged_at == lane.freeze.time
+    claim = Claim(name="x", metric="reaching_time", lane="A", since=0.19, at_least=0.0)
+    assert not claim.holds(measured(claim, simulate(experiment, estimate=False)))
+
+
+def test_figures_are_means_and_maxima_over_the_rows() -> None:
+    time, data = np.arange(400) * 1e-3, columns(400)
+    found = measure_lane(time, data, np.full(JOINTS, 0.01), 0.3)
+    np.testing.assert_allclose(found.mae, np.abs(data["e"]).mean(axis=0))
+    np.testing.assert_allclose(found.max_error, np.abs(data["e"]).max(axis=0))
+    np.testing.assert_allclose(found.max_velocity_error, np.abs(data["de"]).max(axis=0))
+    np.testing.assert_allclose(found.peak_torque, np.abs(data["tau"]).max(axis=0))
+    distance = np.linalg.norm(data["flange"] - data["flange_desired"], axis=1)
+    assert found.flange_max == pytest.approx(distance.max())
+    assert found.flange_rms == pytest.approx(np.sqrt((distance**2).mean()))
+    assert found.chattering == pytest.approx(total_variation(data["tau"], 1e-3))
+    assert found.diverged_at == 0.3
+
+
+@pytest.mark.parametrize("rows", [1, 2, 300])
+def test_figures_are_plain_json_however_short_the_span(rows: int) -> None:
+    found = measure_lane(np.arange(rows) * 1e-3, columns(rows), np.ones(JOINTS))
+    document = json.loads(json.dumps(found.document(), allow_nan=False))
+    assert len(document["mae"]) == len(document["reaching_time"]) == JOINTS
+    assert document["diverged_at"] is None

@@ -1,0 +1,115 @@
+"""Frames of the telemetry ring."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import pack
+from slidetune.robot.loop.closed_loop import ClosedLoop
+from slidetune.server.live.telemetry import HEADER, LAG, Telemetry, channels, rows_of
+
+LANES = ["A", "B"]
+
+
+def parse(frame: bytes) -> tuple[tuple[int, int, int, int, float, float], np.ndarray]:
+    head = HEADER.unpack_from(frame)
+    data = np.frombuffer(frame, np.float32, offset=HEADER.size)
+    return head, data.reshape(head[2], head[1])
+
+
+def block(rows: int, start: int = 0) -> np.ndarray:
+    return np.arange(start, start + rows)[:, None] + np.arange(len(channels(LANES))) / 1000.0
+
+
+def test_a_frame_gives_back_what_was_written() -> None:
+    telemetry = Telemetry(LANES)
+    telemetry.write(block(7), time=0.5, period=0.001, revision=3)
+    frame = telemetry.frame(0)
+    assert frame is not None
+    (revision, rows, columns, dropped, time, period), data = parse(frame[0])
+    assert (revision, rows, columns, dropped) == (3, 7, len(telemetry.columns), 0)
+    assert (time, period) == (0.5, 0.001)
+    assert np.array_equal(data, block(7).astype(np.float32).T)
+    assert frame[1] == 7
+    assert telemetry.frame(7) is None
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        {"time": 0.004, "period": 0.001, "revision": 2},
+        {"time": 0.004, "period": 0.002, "revision": 1},
+        {"time": 0.0, "period": 0.001, "revision": 1},
+    ],
+    ids=["revision", "period", "reset"],
+)
+def test_a_frame_never_mixes(second: dict[str, float]) -> None:
+    telemetry = Telemetry(LANES)
+    telemetry.write(block(4), time=0.0, period=0.001, revision=1)
+    telemetry.write(block(4, 4), **second)  # type: ignore[arg-type]
+    first = telemetry.frame(0)
+    assert first is not None
+    assert first[1] == 4
+    rest = telemetry.frame(first[1])
+    assert rest is not None
+    head, data = parse(rest[0])
+    assert head[1] == 4
+    assert data[0, 0] == 4.0
+
+
+def test_a_reader_that_lags_is_skipped_ahead_and_told() -> None:
+    telemetry = Telemetry(LANES, rows=8192)
+    for start in range(0, 20000, 500):
+        telemetry.write(block(500, start), start * 0.001, 0.001, 1)
+    frame = telemetry.frame(100)
+    assert frame is not None
+    (_, rows, _, dropped, time, _), data = parse(frame[0])
+    assert dropped == 20000 - LAG - 100
+    assert rows == LAG
+    assert time == pytest.approx((20000 - LAG) * 0.001)
+    assert data[0, 0] == 20000 - LAG
+
+
+def test_two_readers_do_not_disturb_each_other() -> None:
+    telemetry = Telemetry(LANES)
+    telemetry.write(block(10), 0.0, 0.001, 1)
+    one, other = telemetry.frame(0), telemetry.frame(4)
+    assert one is not None
+    assert other is not None
+    assert parse(one[0])[1].shape[1] == 10
+    assert parse(other[0])[1].shape[1] == 6
+
+
+def test_frames_hold_finite_numbers_only() -> None:
+    telemetry = Telemetry(LANES)
+    huge = block(3)
+    huge[1, 5] = 1e300
+    telemetry.write(huge, 0.0, 0.001, 1)
+    frame = telemetry.frame(0)
+    assert frame is not None
+    assert np.isfinite(parse(frame[0])[1]).all()
+
+
+def test_rows_are_what_the_loop_recorded() -> None:
+    lanes = {"A": {"law": "rbfnn_nftsm"}, "B": {"law": "computed_torque"}}
+    loop = ClosedLoop(pack(Experiment.from_document({"lanes": lanes})), 64)
+    for _ in range(100):
+        loop.step()
+    rows = rows_of(loop, 90, 100)
+    columns = channels(LANES)
+    assert rows.shape == (10, len(columns))
+    names = [channel.name for channel in columns]
+    record = loop.lanes["B"].record[np.arange(90, 100) % 64]
+    q, q_d = record[:, :6], record[:, 36:42]
+    first = names.index("B/e1")
+    assert np.allclose(rows[:, first : first + 6], q_d - q, atol=0)
+    flange = names.index("B/flange_x")
+    assert np.allclose(rows[:, flange : flange + 3], flange_positions(q))
+
+
+def test_channels_name_every_column_once() -> None:
+    names = [channel.name for channel in channels(LANES)]
+    assert len(set(names)) == len(names)

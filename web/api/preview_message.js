@@ -1,0 +1,55 @@
+// @ts-check
+/** The binary message of whole responses. */
+
+/**
+ * Figures of a whole run.
+ * @typedef {{mae: number[], max_error: number[], max_velocity_error: number[],
+ *   chattering: number, high_frequency_torque: number|null, peak_torque: number[],
+ *   reaching_time: (number|null)[], flange_rms: number, flange_max: number,
+ *   diverged_at: number|null}} Figures
+ */
+/** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
+/**
+ * How good a run is; `error_estimate` [rad] is null in a quick one.
+ * @typedef {{error_estimate: number|null, unconverged: number, capped: number, remark: string,
+ *   patch: import('../fields/merge_patch.js').Document|null}} Accuracy
+ */
+/**
+ * One lane over the horizon, thinned to its extremes; NaN after it left its bounds.
+ * @typedef {{name: string, time: Float32Array, columns: Map<string, Float32Array>,
+ *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
+ */
+/**
+ * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled.
+ * @typedef {{revision: number, quick: boolean, horizon: number, hold: number,
+ *   lanes: Map<string, LaneResponse>}} Response
+ */
+
+const NUMBER_BYTES = 4;
+const LENGTH_BYTES = 4;
+/** The flange's path: x, y, z. It is for the 3D scene, which has its own. */
+const PATH_COLUMNS = 3;
+
+/**
+ * @param {ArrayBuffer} buffer
+ * @returns {Response} its columns are views of the buffer
+ */
+export function decodedResponse(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, LENGTH_BYTES, length)));
+  let offset = LENGTH_BYTES + length;
+  const column = (/** @type {number} */ rows) => {
+    const values = new Float32Array(buffer, offset, rows);
+    offset += rows * NUMBER_BYTES;
+    return values;
+  };
+  /** @type {Map<string, LaneResponse>} */ const lanes = new Map();
+  for (const {name, points, path_points: pathPoints, metrics, frozen, accuracy} of head.lanes) {
+    const time = column(points);
+    /** @type {string[]} */ const channels = head.channels;
+    const columns = new Map(channels.map((channel) => [channel, column(points)]));
+    offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
+    lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
+  }
+  return {revision: head.revision, quick: head.quick, horizon: head.horizon, hold: head.hold, lanes};
+}

@@ -1,0 +1,83 @@
+// @ts-check
+/** YAML in: picked, dropped on the page or pasted. What is refused changes nothing. */
+
+import {showDialog} from '../dom/dialog.js';
+import {element} from '../dom/element.js';
+import {isTyping} from '../screen/keys.js';
+import {tellWithUndo} from '../dom/undo_notice.js';
+
+/** @typedef {import('../api/api.js').ApiError} ApiError */
+
+/** More than any experiment needs; the server has the last word. */
+const MOST_BYTES = 1_000_000;
+const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m;
+
+/**
+ * @param {import('../api/api.js').Api} api
+ * @param {import('../api/history.js').History} history
+ * @param {import('../dom/notices.js').Tell} tell
+ * @returns {() => void} opens the file picker
+ */
+export function mountImport(api, history, tell) {
+  const take = async (/** @type {string} */ name, /** @type {string} */ text) => {
+    try {
+      await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
+      tellWithUndo(tell, history, `Imported ${name}.`);
+    } catch (error) {
+      showRefusal(name, /** @type {ApiError} */ (error));
+    }
+  };
+  const takeFile = async (/** @type {File|undefined} */ file) => {
+    if (!file) return;
+    if (file.size > MOST_BYTES) {
+      tell(`${file.name} was not imported: it is larger than 1 MB.`, {error: true});
+    } else await take(file.name, await file.text());
+  };
+  mountDrop(takeFile);
+  addEventListener('paste', (event) => {
+    const text = event.clipboardData?.getData('text/plain') ?? '';
+    if (isTyping(event.target) || document.querySelector('dialog[open]')) return;
+    if (LOOKS_LIKE_ONE.test(text)) take('the clipboard’s text', text);
+  });
+  return () => {
+    const picker = element('input', {
+      type: 'file', accept: '.yaml,.yml,.json,application/yaml,application/json',
+      on: {change: () => takeFile(picker.files?.[0])},
+    });
+    picker.click();
+  };
+}
+
+/** @param {(file: File|undefined) => void} take */
+function mountDrop(take) {
+  const veil = element('div', {class: 'drop-veil', hidden: true},
+    element('p', {}, 'Drop a YAML experiment to import it'));
+  document.body.append(veil);
+  const carriesFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');
+  addEventListener('dragenter', (event) => { if (carriesFile(event)) veil.hidden = false; });
+  addEventListener('dragover', (event) => { if (carriesFile(event)) event.preventDefault(); });
+  // The veil covers the page, so that leaving it is leaving the window.
+  veil.addEventListener('dragleave', () => { veil.hidden = true; });
+  addEventListener('drop', (event) => {
+    veil.hidden = true;
+    if (!carriesFile(event)) return;
+    event.preventDefault();
+    take(event.dataTransfer?.files[0]);
+  });
+}
+
+/**
+ * @param {string} name
+ * @param {ApiError} error
+ */
+function showRefusal(name, {message, fields}) {
+  const list = element('ul', {class: 'refusals'});
+  for (const {path, message: text, line, allowed} of fields ?? []) {
+    const where = [line ? `line ${line}` : '', path].filter(Boolean).join(', ');
+    const hint = allowed && !text.includes(allowed) ? ` (allowed: ${allowed})` : '';
+    list.append(element('li', {}, element('code', {}, where), ` ${text}${hint}`));
+  }
+  showDialog('Not imported', element('div', {class: 'dialog-text'},
+    element('p', {}, `${name} was refused; the live experiment is as it was.`),
+    list.children.length ? list : element('p', {class: 'dialog-alert', role: 'alert'}, message)));
+}

@@ -1,0 +1,88 @@
+// @ts-check
+/** The chattering lens: the torque's spectrum, the price of smoothness, three switching functions. */
+
+import {LensCard} from './card.js';
+import {LensFigure} from './figure.js';
+import {SmoothingCard} from './smoothing.js';
+import {spectrumFigure} from './spectrum.js';
+import {SwitchingCard} from './switching.js';
+import {chatteringFinding} from './verdicts.js';
+import {threeDigits} from '../figures/columns.js';
+
+/** @typedef {import('./card.js').Look} Look */
+
+const HEIGHT = 250;
+
+/** Shows how restless the torque of a lane is. */
+export class ChatteringLens {
+  id = 'chattering';
+  title = 'Chattering';
+  element;
+  #spectrum = new LensFigure({height: HEIGHT});
+  #card;
+  #smoothing;
+  #switching;
+
+  /**
+   * @param {import('../api/api.js').Api} api
+   * @param {import('../page/right_panel.js').Desk} desk
+   */
+  constructor(api, desk) {
+    this.#card = new LensCard({
+      title: 'Where the torque lies in frequency', equation: 'Eq. 13, 14',
+      words: 'The motion itself lives below a few hertz. What stands right of 50 Hz is chattering, '
+        + 'or the sensors’ noise: it heats motors and shakes gears, and hardly moves the arm.',
+    }, this.#spectrum.element);
+    this.#smoothing = new SmoothingCard(api, desk);
+    this.#switching = new SwitchingCard(api, desk);
+    this.element = [this.#card.element, this.#smoothing.element, this.#switching.element];
+  }
+
+  /** @param {Look} look */
+  show(look) {
+    const {seen: {chattering}, joint, color, lane, gains} = look;
+    const one = chattering.joints[joint - 1];
+    this.#card.facts = [
+      {name: 'total variation', value: `${threeDigits(one.variation)} N·m/s`,
+        title: 'How much the torque of this joint moves up and down in a second'},
+      {name: 'switches', value: `${threeDigits(one.switches)} /s`,
+        title: 'Sign changes of S a second'},
+      {name: 'above 50 Hz', value: above(one.above)},
+      {name: 'all joints', value: together(chattering)},
+      ...(chattering.quiet ? [{
+        name: 'without sensor noise', value: together(chattering.quiet),
+        title: 'All joints in the same run with sensors that measure exactly',
+      }] : []),
+    ];
+    this.#card.finding = chatteringFinding(chattering, gains);
+    const spectra = spectraOf(chattering, joint, lane, color);
+    this.#spectrum.draw(`Joint ${joint}: spectrum of the torque`, (colors) => (
+      spectrumFigure(colors, chattering, spectra, `${lane}-${joint}`)
+    ));
+    this.#smoothing.show(look);
+    this.#switching.show(look);
+  }
+}
+
+/** @param {number|null} torque */
+function above(torque) { return torque === null ? '–' : `${threeDigits(torque)} N·m RMS`; }
+
+/** @param {any} chattering */
+function together({variation, switches, above: torque}) {
+  return `${threeDigits(variation)} N·m/s, ${threeDigits(switches)} /s, ${above(torque)}`;
+}
+
+/**
+ * Of the run, and of that without sensor noise where there is one as long.
+ *
+ * @param {any} chattering
+ * @param {number} joint
+ * @param {string} lane
+ * @param {string} color
+ */
+function spectraOf({joints, frequency, quiet}, joint, lane, color) {
+  const spectra = [{name: lane, color, dash: 'solid', density: joints[joint - 1].density}];
+  if (quiet?.frequency.length !== frequency.length) return spectra;
+  const {density} = quiet.joints[joint - 1];
+  return [...spectra, {name: 'without sensor noise', color, dash: 'dot', density}];
+}

@@ -1,0 +1,260 @@
+// @ts-check
+/** The network lens: what the Gaussians see, what the weights keep, what f has learnt. */
+
+import {plain} from '../plots/figure.js';
+import {LensCard, choice, percent} from './card.js';
+import {LensFigure, axis, faint} from './figure.js';
+import {withUnit} from '../fields/quantity.js';
+import {threeDigits} from '../figures/columns.js';
+import {isSampledEvery} from '../curves/panel_curves.js';
+
+/** @typedef {import('./card.js').Look} Look */
+/** @typedef {import('./figure.js').Colors} Colors */
+
+const CURVE_POINTS = 160;
+/** As few effective nodes as this are one. */
+const ONE_NODE = 1.05;
+const INPUTS = /** @type {{[name: string]: [string, string]}} */ ({
+  error: ['the error', 'e'], angle: ['the angle', 'q'], desired: ['the desired angle', 'q_d'],
+});
+
+/** Shows the network of one joint. */
+export class NetworkLens {
+  id = 'network';
+  title = 'Network';
+  element;
+  #gaussians = new LensFigure({height: 230});
+  #weights = new LensFigure({height: 190});
+  #torque = new LensFigure({height: 230});
+  #fit = 'visited';
+  /** @type {Look|null} */ #look = null;
+  #gaussianCard;
+  #weightCard;
+  #torqueCard;
+
+  constructor() {
+    const fit = choice('What the axis spans', [
+      {id: 'visited', title: 'inputs of this run'}, {id: 'centers', title: 'all centres'},
+    ], (id) => { this.#fit = id; this.#drawGaussians(); });
+    this.#gaussianCard = new LensCard({
+      title: 'What the Gaussians see', equation: 'Eq. 19', words: '',
+    }, fit, this.#gaussians.element);
+    this.#weightCard = new LensCard({
+      title: 'What the weights keep', equation: 'Eq. 21',
+      words: 'A weight grows as long as S isn’t zero and its Gaussian answers: dW/dt = φ h S. Left, '
+        + 'the ten weights at the end; right, the norm of the weights, √ΣW², over the run. While that '
+        + 'still climbs, it still learns.',
+    }, this.#weights.element);
+    this.#torqueCard = new LensCard({
+      title: 'What f has learnt', equation: 'Eq. 9, 20, 22',
+      words: 'Dashed: the torque τ_eq + F that exact knowledge of arm and disturbance would ask '
+        + 'for. What f leaves open k₁S + k₂sw(S) must hold, and that takes an error.',
+    }, this.#torque.element);
+    this.element = [
+      this.#gaussianCard.element, this.#weightCard.element, this.#torqueCard.element,
+    ];
+  }
+
+  /**
+   * @param {Look} look
+   * @returns {string|undefined} why there is nothing to see
+   */
+  show(look) {
+    const {seen: {network}, joint, lane} = look;
+    if (!network) {
+      return `${lane} has no network: it computes τ_eq from a model of the arm. Choose an RBFNN lane `
+        + 'to see what its network has learnt.';
+    }
+    this.#look = look;
+    const one = network.joints[joint - 1];
+    const [name, symbol] = INPUTS[network.input] ?? ['the input', 'x'];
+    this.#gaussianCard.words = `Each curve is one Gaussian’s answer h to ${name} ${symbol} of joint `
+      + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
+      + 'the network tell one input from another.';
+    this.#gaussianCard.facts = gaussianFacts(one, network.centers);
+    this.#gaussianCard.finding = gaussianFinding(one, network.input);
+    this.#drawGaussians();
+    const drawn = `Joint ${joint}: the ten weights at the end, the norm of the weights over time`;
+    this.#weights.draw(drawn, (colors) => weightFigure(colors, look, network, one));
+    this.#torqueCard.facts = [
+      {name: 'needed', value: `${threeDigits(one.needed_rms)} N·m`,
+        title: 'Root mean square of τ_eq + F over the second half of the run'},
+      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
+      {name: 'learnt', value: one.learnt === null ? '–' : percent(one.learnt)},
+    ];
+    this.#torqueCard.finding = torqueFinding(one);
+    this.#torque.draw(`Joint ${joint}: network output f beside the needed torque`, (colors) => (
+      torqueFigure(colors, look, network, one)
+    ));
+    return undefined;
+  }
+
+  #drawGaussians() {
+    const look = this.#look;
+    if (!look) return;
+    const {network} = look.seen;
+    const one = network.joints[look.joint - 1];
+    const fit = this.#fit;
+    this.#gaussians.draw(`Joint ${look.joint}: ten Gaussians over the inputs visited`, (colors) => (
+      gaussianFigure(colors, look, network, one, fit)
+    ));
+  }
+}
+
+/**
+ * @param {any} one
+ * @param {number[]} centers
+ */
+function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, high}, centers) {
+  return [
+    {name: 'centres', value: `${centers.length}, ${threeDigits(Math.min(...centers))} to `
+      + `${threeDigits(Math.max(...centers))} rad`},
+    {name: 'width', value: `b = ${withUnit(width, 'rad')}`},
+    {name: 'inputs', value: `${threeDigits(low)} to ${threeDigits(high)} rad`},
+    {name: 'coverage', value: percent(coverage),
+      title: 'Share of the run in which some Gaussian answers with more than 0.1'},
+    {name: 'spread', value: threeDigits(spread),
+      title: 'By how much the most sensitive Gaussian’s answer changes over these inputs, 0 to 1'},
+    {name: 'independent', value: `${nodes.toFixed(2)} of 10`,
+      title: 'How many Gaussians act independently of each other over these inputs'},
+  ];
+}
+
+/**
+ * @param {any} one
+ * @param {string} input
+ */
+function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
+  if (coverage < 0.9) {
+    return `For ${percent(1 - coverage)} of the run no Gaussian answers: there the network is blind. `
+      + 'Wider ones, or centres that span the inputs, would help.';
+  }
+  if (nodes < ONE_NODE) {
+    const other = input === 'error' ? ', or the network look at q_d, which ranges wider' : '';
+    return 'All ten answer alike, whatever the input: together they are one weight, an integrator '
+      + `of S. To tell inputs apart, b and the centres’ gaps would have to be smaller than the range `
+      + `of the inputs, ${threeDigits(high - low)} rad${other}.`;
+  }
+  return `Over these inputs the ten work like ${nodes.toFixed(1)} independent ones: the network can `
+    + 'keep another torque for another input.';
+}
+
+/** @param {any} one */
+function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
+  if (learnt === null) return 'This joint needs no torque, so that there is nothing to learn.';
+  const [all, rest] = [threeDigits(needed), threeDigits(missing)];
+  if (learnt < 0.1) {
+    return `f hardly carries anything of the ${all} N·m: the reaching law does the work, with an `
+      + 'error that never dies. A higher φ learns faster.';
+  }
+  return `In the second half of the run f carries ${percent(learnt)} of the ${all} N·m that are `
+    + `needed; ${rest} N·m are left to the reaching law.`;
+}
+
+/**
+ * @param {Colors} colors
+ * @param {Look} look
+ * @param {any} network
+ * @param {any} one
+ * @param {string} fit
+ */
+function gaussianFigure(colors, {color, joint, lane}, {input, centers}, one, fit) {
+  const span = Math.max(one.high - one.low, 1e-6);
+  const visited = [one.low - 0.1 * span, one.high + 0.1 * span];
+  const [first, last] = [centers[0], centers[centers.length - 1]];
+  const margin = 0.15 * (last - first);
+  const range = fit === 'visited' ? visited
+    : [Math.min(first - margin, visited[0]), Math.max(last + margin, visited[1])];
+  const x = Array.from({length: CURVE_POINTS}, (_, index) => (
+    range[0] + ((range[1] - range[0]) * index) / (CURVE_POINTS - 1)
+  ));
+  const bins = one.visits.length;
+  const most = Math.max(...one.visits);
+  const curves = centers.map((/** @type {number} */ center, /** @type {number} */ index) => ({
+    type: 'scatter', mode: 'lines', uid: `h${index}`, x,
+    y: x.map((value) => Math.exp(-0.5 * ((value - center) / one.width) ** 2)),
+    hovertemplate: `c = ${threeDigits(center)} rad<br>h = %{y:.4f}<extra></extra>`,
+    line: {color: colors.muted, width: 1.2},
+  }));
+  const [, symbol] = INPUTS[input] ?? ['', 'x'];
+  return {
+    data: [{
+      type: 'bar', uid: 'visits', width: span / bins,
+      x: one.visits.map((/** @type {number} */ _, /** @type {number} */ index) => (
+        one.low + (span * (index + 0.5)) / bins
+      )),
+      y: one.visits.map((/** @type {number} */ share) => (0.6 * share) / most),
+      customdata: one.visits.map((/** @type {number} */ share) => 100 * share),
+      hovertemplate: '%{customdata:.2~g} % of the run<extra></extra>',
+      marker: {color: faint(color, 0.35), line: {width: 0}},
+    }, ...curves, {
+      type: 'scatter', mode: 'markers', uid: 'centers', x: centers,
+      y: centers.map(() => 0), hovertemplate: 'centre %{x:.4~g} rad<extra></extra>',
+      marker: {symbol: 'line-ns-open', size: 9, color: colors.text, line: {width: 1.5}},
+    }],
+    layout: {
+      uirevision: `${lane}-${joint}-${fit}`,
+      bargap: 0,
+      xaxis: axis(colors, {title: `${symbol.replace('_d', '<sub>d</sub>')} [rad]`, range}),
+      yaxis: axis(colors, {title: 'h', range: [-0.04, 1.08], nticks: 6}),
+    },
+  };
+}
+
+/**
+ * @param {Colors} colors
+ * @param {Look} look
+ * @param {any} network
+ * @param {any} one
+ */
+function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, one) {
+  return {
+    data: [{
+      type: 'bar', uid: 'weights', x: centers.map((/** @type {number} */ _, /** @type {number} */ index) => index + 1),
+      y: one.weights, customdata: centers, marker: {color},
+      hovertemplate: 'c = %{customdata:.4~g} rad<br>W = %{y:.4~g} N·m<extra></extra>',
+    }, {
+      type: 'scatter', mode: 'lines', uid: 'norm', x: time, y: one.norm, xaxis: 'x2', yaxis: 'y2',
+      hovertemplate: 't = %{x:.3f} s<br>norm of the weights %{y:.4~g} N·m<extra></extra>',
+      line: {color, width: 1.6},
+    }],
+    layout: {
+      uirevision: `${lane}-${joint}`,
+      bargap: 0.25,
+      xaxis: axis(colors, {title: 'node', domain: [0, 0.4], dtick: 1, tickangle: 0, showgrid: false}),
+      yaxis: axis(colors, {title: 'W [N·m]', nticks: 5}),
+      xaxis2: axis(colors, {title: 't [s]', domain: [0.56, 1], anchor: 'y2', zeroline: false}),
+      yaxis2: axis(colors, {title: 'norm of the weights [N·m]', anchor: 'x2', nticks: 5, rangemode: 'tozero'}),
+    },
+  };
+}
+
+/**
+ * @param {Colors} colors
+ * @param {Look} look
+ * @param {any} network
+ * @param {any} one
+ */
+function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one) {
+  // Of a long run only some samples are here.
+  const steps = isSampledEvery(hold, (x[x.length - 1] - x[0]) / (x.length - 1));
+  const line = (/** @type {string} */ uid, /** @type {string} */ name, /** @type {number[]} */ y,
+    /** @type {object} */ style) => ({
+    type: 'scatter', mode: 'lines', uid, name: plain(name), x, y,
+    hovertemplate: '%{y:.4~g} N·m', line: {simplify: false, ...style},
+  });
+  return {
+    data: [
+      line('needed', 'needed', one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
+      line('f', 'f', one.f, {color, width: 1.8, shape: steps ? 'hv' : 'linear'}),
+    ],
+    layout: {
+      uirevision: `${lane}-${joint}`,
+      hovermode: 'x unified',
+      xaxis: axis(colors, {
+        title: 't [s]', zeroline: false, unifiedhovertitle: {text: 't = %{x:.3f} s'},
+      }),
+      yaxis: axis(colors, {title: 'torque [N·m]', nticks: 7}),
+    },
+  };
+}

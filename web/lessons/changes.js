@@ -1,0 +1,16 @@
+// @ts-check
+/** What a step of a lesson has changed, value by value. */
+
+import {element} from '../dom/element.js';
+
+/**
+ * @param {import('../api/lesson_document.js').LessonChange[]} list
+ * @returns {HTMLElement|null} null where there is nothing to tell
+ */
+export function changes(list) {
+  if (!list.length) return null;
+  const rows = list.map(({label, was, now}) => (
+    element('li', {}, element('b', {}, label), ` ${was} → ${now}`)
+  ));
+  return element('ul', {class: 'lesson-changes', 'aria-label': 'Changed'}, ...rows);
+}

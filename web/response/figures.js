@@ -1,0 +1,240 @@
+// @ts-check
+/** The figures of the whole response, each lane beside its baselines. */
+
+import {element} from '../dom/element.js';
+import {COLUMNS, threeDigits} from '../figures/columns.js';
+import {changeOf} from '../figures/change.js';
+import {withScrollCue} from '../dom/scroll_cue.js';
+
+/** @typedef {import('../figures/columns.js').Column} Column */
+/** @typedef {import('../api/preview_message.js').LaneResponse} LaneResponse */
+/** @typedef {import('../api/preview_message.js').Response} Response */
+/** @typedef {import('./baselines.js').Baseline} Baseline */
+/**
+ * @typedef {{lanes: import('../api/api.js').Lane[], selected: string, joints: number[],
+ *   current: Response|null, baselines: Baseline[]}} Compared
+ */
+/**
+ * @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[],
+ *   estimate: HTMLTableCellElement}} Row
+ */
+
+const DIVERGED = 'diverged';
+const MILLI = 1000;
+/** Error of an angle [rad] above which a run is not to be trusted blindly; ours. */
+const GOOD = 1e-3;
+const ESTIMATE = {
+  id: 'estimate', title: 'accuracy', unit: 'mrad',
+  meaning: 'By how much the angles of this run may be off, as a second, coarser run tells.',
+};
+
+/** A margin is no figure of a run; of the six mean errors the chosen joints' are shown. */
+function columnsFor(/** @type {number[]} */ joints) {
+  return COLUMNS.filter(({id, isMargin}) => {
+    const [, joint] = /^mae(\d)$/.exec(id) ?? [];
+    return !isMargin && (!joint || joints.includes(Number(joint)));
+  });
+}
+
+/** The table; its rows are built when there are others, and filled in place. */
+export class ResponseMetrics {
+  element;
+  #table = element('table', {class: 'metrics-table response-table'});
+  /** @type {Map<string, Row>} */ #rows = new Map();
+  #until = element('span', {class: 'metrics-unit'});
+  #built = '';
+
+  constructor() {
+    this.element = withScrollCue(element('div', {
+      class: 'response-figures', tabindex: 0, role: 'region',
+      'aria-label': 'Metrics of the whole response',
+    }, this.#table));
+  }
+
+  /** @param {Compared} compared */
+  show(compared) {
+    const {lanes, joints, baselines, current} = compared;
+    const columns = columnsFor(joints);
+    const shown = baselines.filter((baseline) => baseline.shown);
+    const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name])]);
+    if (built !== this.#built) this.#build(lanes, columns, shown);
+    this.#built = built;
+    setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
+    for (const {name} of lanes) {
+      const now = current?.lanes.get(name) ?? null;
+      const quick = current?.quick ?? false;
+      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, quick});
+      for (const baseline of shown) {
+        this.#fillBaseline(name, baseline, now, columns);
+      }
+    }
+  }
+
+  /**
+   * @param {import('../api/api.js').Lane[]} lanes
+   * @param {Column[]} columns
+   * @param {Baseline[]} baselines
+   */
+  #build(lanes, columns, baselines) {
+    this.#rows.clear();
+    const bodies = lanes.map(({name, color}) => {
+      const dot = element('span', {class: 'metrics-dot', 'aria-hidden': 'true'});
+      dot.style.setProperty('--lane', color);
+      const body = element('tbody', {}, this.#row(
+        key(name), columns, element('span', {class: 'response-lane'}, dot,
+          element('span', {class: 'response-lane-name', title: name}, name),
+        element('span', {class: 'response-state'})),
+      ));
+      for (const {id, name: title} of baselines) {
+        const words = element('span', {class: 'response-against'}, title);
+        body.append(this.#row(key(name, id), columns, words));
+        this.#rows.get(key(name, id))?.row.classList.add('is-baseline');
+      }
+      return body;
+    });
+    this.#table.replaceChildren(
+      element('caption', {class: 'metrics-caption'}, 'The whole response of each lane, and how it '
+        + 'changed against its baselines'),
+      heading(columns, this.#until), ...bodies,
+    );
+  }
+
+  /**
+   * @param {string} at
+   * @param {Column[]} columns
+   * @param {HTMLElement} head
+   */
+  #row(at, columns, head) {
+    // First, where it is seen before the figures that it is about.
+    const [estimate, ...cells] = [ESTIMATE, ...columns].map(({id}) => (
+      element('td', {class: `metrics-number metrics-${id}`})
+    ));
+    const row = element('tr', {}, element('th', {scope: 'row'}, head), estimate, ...cells);
+    this.#rows.set(at, {row, cells, estimate});
+    return row;
+  }
+
+  /**
+   * @param {string} name
+   * @param {LaneResponse|null} now
+   * @param {Column[]} columns
+   * @param {{selected: boolean, quick: boolean}} how
+   */
+  #fillCurrent(name, now, columns, {selected, quick}) {
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
+    const frozen = now?.frozen;
+    row.classList.toggle('is-selected', selected);
+    row.classList.toggle('is-frozen', Boolean(frozen));
+    const state = /** @type {HTMLElement} */ (row.querySelector('.response-state'));
+    setText(state, frozen ? DIVERGED : '');
+    state.title = frozen?.cause ?? '';
+    fillEstimate(estimate, now, quick);
+    columns.forEach((column, index) => setText(cells[index], threeDigits(valueOf(column, now))));
+  }
+
+  /**
+   * @param {string} name
+   * @param {Baseline} baseline
+   * @param {LaneResponse|null} now
+   * @param {Column[]} columns
+   */
+  #fillBaseline(name, {id, response, failure}, now, columns) {
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name, id)));
+    const then = response?.lanes.get(name) ?? null;
+    fillEstimate(estimate, then, false);
+    const reason = incomparable(now, then, failure || (response ? '' : 'being computed'));
+    row.title = reason;
+    columns.forEach((column, index) => {
+      const before = valueOf(column, then);
+      const change = reason ? {kind: 'none', text: ''} : changeOf(before, valueOf(column, now));
+      fill(cells[index], threeDigits(before), change);
+    });
+  }
+}
+
+/**
+ * @param {string} lane
+ * @param {number} [baseline] 0: the current response
+ */
+function key(lane, baseline = 0) { return JSON.stringify([lane, baseline]); }
+
+/**
+ * @param {Column} column
+ * @param {LaneResponse|null} lane
+ */
+function valueOf({value}, lane) { return lane ? value(lane.metrics, null) : null; }
+
+/**
+ * What a lane reached before it left its bounds can't be compared with a whole run.
+ *
+ * @param {LaneResponse|null} now
+ * @param {LaneResponse|null} then
+ * @param {string} waiting why the baseline has no response
+ * @returns {string} why the two can't be compared, or ''
+ */
+function incomparable(now, then, waiting) {
+  if (waiting) return waiting;
+  if (!then) return 'the baseline has no lane of this name';
+  if (then.frozen) return `diverged in the baseline: ${then.frozen.cause}`;
+  return now?.frozen ? `diverged: ${now.frozen.cause}` : '';
+}
+
+/**
+ * @param {HTMLElement} cell
+ * @param {string} value
+ * @param {import('../figures/change.js').Change} change
+ */
+function fill(cell, value, {kind, text}) {
+  const shown = `${value} ${text}`;
+  if (cell.dataset.shown === shown) return;
+  cell.dataset.shown = shown;
+  cell.replaceChildren(
+    element('span', {}, value), ' ', element('span', {class: `response-change is-${kind}`}, text),
+  );
+}
+
+/**
+ * @param {HTMLElement} cell
+ * @param {LaneResponse|null} lane
+ * @param {boolean} quick whether nobody asked for an estimate, because a better run follows
+ */
+function fillEstimate(cell, lane, quick) {
+  const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
+  // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
+  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
+  const known = error === null ? (quick ? '…' : '–') : `±${threeDigits(error * MILLI)}`;
+  setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
+  cell.classList.toggle('is-doubtful', doubtful);
+  cell.title = [
+    quick ? 'estimated on release' : '',
+    (error ?? 0) > GOOD ? `above ${threeDigits(GOOD * MILLI)} mrad` : '',
+    unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
+    capped > 0 ? `${counted(capped, 'row')} not cut as far as the error asked` : '',
+  ].filter(Boolean).join(', ');
+}
+
+/**
+ * @param {number} count
+ * @param {string} what
+ */
+function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'}`; }
+
+/**
+ * @param {Column[]} columns
+ * @param {HTMLElement} until to where it goes
+ */
+function heading(columns, until) {
+  return element('thead', {}, element(
+    'tr', {}, element('th', {scope: 'col'}, 'Whole response', until),
+    ...[ESTIMATE, ...columns].map(({title, unit, meaning}) => element(
+      'th', {scope: 'col', title: meaning}, title,
+      unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),
+    )),
+  ));
+}
+
+/**
+ * @param {HTMLElement} node
+ * @param {string} text
+ */
+function setText(node, text) { if (node.textContent !== text) node.textContent = text; }

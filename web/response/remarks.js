@@ -1,0 +1,102 @@
+// @ts-check
+/** What must be said of a whole response: which lanes left their bounds, which are inaccurate. */
+
+import {element} from '../dom/element.js';
+import {FieldNames} from '../fields/field_names.js';
+import {icon} from '../dom/icons.js';
+import {proposalButton} from '../knobs/proposal.js';
+import {Schema} from '../fields/schema.js';
+
+/** @typedef {import('../api/preview_message.js').Response} Response */
+/** @typedef {import('../fields/merge_patch.js').Document} Document */
+/**
+ * @typedef {{name: string, color: string, text: string, level: 'frozen'|'warning',
+ *   patch: Document|null}} Remark
+ */
+
+/** A list that is there when there is something to say. */
+export class ResponseRemarks {
+  element = element('ul', {class: 'response-remarks', 'aria-live': 'polite', hidden: true});
+  #api;
+  #desk;
+  /** @type {Promise<FieldNames>|null} */ #names = null;
+  #shown = '';
+  /** @type {Response|null} */ #exact = null;
+
+  /**
+   * @param {import('../api/api.js').Api} api
+   * @param {import('../page/right_panel.js').Desk} desk
+   */
+  constructor(api, desk) {
+    this.#api = api;
+    this.#desk = desk;
+  }
+
+  /**
+   * A quick response knows no accuracy: what the last exact one said stays as long as it lasts.
+   *
+   * @param {import('../api/api.js').Lane[]} lanes
+   * @param {Response|null} response
+   */
+  show(lanes, response) {
+    if (!response?.quick) this.#exact = response;
+    const remarks = lanes.flatMap((lane) => remarksOf(lane, response, this.#exact));
+    const shown = JSON.stringify(remarks);
+    if (shown === this.#shown) return;
+    this.#shown = shown;
+    this.element.hidden = !remarks.length;
+    this.element.replaceChildren(...remarks.map((remark) => {
+      const line = drawn(remark);
+      if (remark.patch) this.#offer(line, remark.patch);
+      return line;
+    }));
+  }
+
+  /**
+   * Add the button that makes a change; what it sets, it says in the schema's words.
+   *
+   * @param {HTMLElement} line
+   * @param {Document} patch
+   */
+  async #offer(line, patch) {
+    try {
+      this.#names ??= this.#api.schema().then((schema) => (
+        new FieldNames(new Schema(schema), this.#api)
+      ));
+      const names = await this.#names;
+      line.append(proposalButton({...this.#desk, names}, patch));
+    } catch (error) {
+      this.#names = null;
+      this.#desk.tell(/** @type {Error} */ (error).message, {error: true});
+    }
+  }
+}
+
+/**
+ * @param {import('../api/api.js').Lane} lane
+ * @param {Response|null} response
+ * @param {Response|null} exact
+ * @returns {Remark[]}
+ */
+function remarksOf({name, color}, response, exact) {
+  /** @type {Remark[]} */ const remarks = [];
+  const frozen = response?.lanes.get(name)?.frozen;
+  if (frozen) remarks.push({name, color, text: frozen.cause, level: 'frozen', patch: null});
+  const accuracy = exact?.lanes.get(name)?.accuracy;
+  // How exactly a lane left its bounds is no news.
+  if (accuracy?.remark && !frozen) {
+    const {remark: text, patch} = accuracy;
+    remarks.push({name, color, text, level: 'warning', patch});
+  }
+  return remarks;
+}
+
+/** @param {Remark} remark */
+function drawn({name, color, text, level}) {
+  const dot = element('span', {class: 'plots-dot', 'aria-hidden': 'true'});
+  dot.style.setProperty('--lane', color);
+  return element(
+    'li', {class: `is-${level}`}, dot, element('b', {}, name),
+    level === 'warning' && icon('warning'), element('span', {}, text),
+  );
+}
