@@ -230,7 +230,7 @@ def test_every_kind_of_answer_carries_the_security_headers(
     answers = {
         "page": ask("GET", "/"),
         "head": ask("HEAD", "/static/main.js"),
-        "file": ask("GET", "/static/style.css"),
+        "file": ask("GET", "/static/screen/style.css"),
         "JSON": ask("GET", "/api/session"),
         "YAML": ask("GET", "/api/experiment?format=yaml"),
         "numbers": ask("POST", "/api/preview", json={"quick": True}),
