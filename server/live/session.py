@@ -40,7 +40,7 @@ Array = np.ndarray
 
 
 class View(Protocol):
-    """What the session feeds; see ``server.stage_view``."""
+    """What the session feeds; see ``server.scene.feed``."""
 
     def pull(self) -> Pull | None:
         """Return how somebody pulls at the arm, or ``None``."""

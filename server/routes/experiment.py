@@ -13,7 +13,7 @@ from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experim
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import OR_YAML, YAML
 from slidetune.server.guard.plain_json import NotJsonError, read_json
-from slidetune.server.state.app_state import Studio, law_infos
+from slidetune.server.state.app_state import AppState, law_infos
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},
@@ -46,10 +46,10 @@ def yaml_response(experiment: Experiment, name: str) -> Response:
     return Response(experiment_to_yaml(experiment), media_type=YAML, headers=headers)
 
 
-def experiment_router(studio: Studio) -> APIRouter:
+def experiment_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live document."""
     router = APIRouter(prefix="/api", tags=["experiment"])
-    document = studio.document
+    document = app_state.document
 
     def answer(waiting_steps: int = 0) -> dict[str, Any]:
         return {
@@ -75,7 +75,7 @@ def experiment_router(studio: Studio) -> APIRouter:
     def patch(patch: Annotated[dict[str, Any], Body(examples=[_PATCH])]) -> dict[str, Any]:
         """Change the live document by a JSON Merge Patch (RFC 7396)."""
         document.patch(patch, author="http")
-        return answer(studio.session.waiting_steps)
+        return answer(app_state.session.waiting_steps)
 
     @router.put(
         "/experiment",

@@ -20,13 +20,13 @@ from slidetune.server.compute.workers import Workers
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 from slidetune.server.live.telemetry import Telemetry
-from slidetune.server.scene.feed import StageView
+from slidetune.server.scene.feed import SceneFeed
 from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 
-log = logging.getLogger("slidetune.studio")
+log = logging.getLogger("slidetune.app_state")
 
 
 def law_infos() -> list[dict[str, Any]]:
@@ -53,7 +53,7 @@ def _remarks(packed: Packed, name: str) -> dict[str, Any]:
         return _NO_REMARKS
 
 
-class Studio:
+class AppState:
     """Everything that lives as long as the server.
 
     Attributes:
@@ -72,7 +72,7 @@ class Studio:
         packed = pack(experiment)
         self.colors = LaneColors()
         self.colors.assign(list(packed.gains))
-        self.view = StageView(Scene(), self.colors)
+        self.view = SceneFeed(Scene(), self.colors)
         self.session = Session(packed, self.view)
         self.document = Document(packed, preset, self.session, self.colors)
         self.history = EditHistory(experiment)
