@@ -109,7 +109,7 @@ class SamplingMargin(BaseModel):
     gamma_limit: float | None = Field(description="The gamma from which on this loop is unstable.")
 
 
-class Remark(BaseModel):
+class Advice(BaseModel):
     """A remark on a lane's numbers."""
 
     level: Literal["info", "warning"] = Field(description="Warning: expect trouble.")
@@ -129,7 +129,7 @@ class LaneMetrics(BaseModel):
     )
     gamma: float | None = Field(description="As in `margin`; null where nothing is sampled.")
     margin: SamplingMargin | None = Field(description="Null where nothing is sampled.")
-    notes: list[Remark] = Field(description="What is surprising or bodes trouble.")
+    notes: list[Advice] = Field(description="What is surprising or bodes trouble.")
 
 
 class MetricsMessage(BaseModel):

@@ -9,7 +9,7 @@ from time import monotonic
 from typing import Any
 
 from slidetune.robot import __version__
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
@@ -35,7 +35,7 @@ def law_infos() -> list[dict[str, Any]]:
     return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
 
 
-_NO_REMARKS: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
+_NO_ADVICE: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
 
 
 def _remarks(packed: Packed, name: str) -> dict[str, Any]:
@@ -46,11 +46,11 @@ def _remarks(packed: Packed, name: str) -> dict[str, Any]:
         return {
             "gamma": margin and margin.gamma,
             "margin": margin and margin.document(),
-            "notes": [asdict(note) for note in notes(packed, name)],
+            "notes": [asdict(one) for one in advice_on(packed, name)],
         }
     except Exception:
         log.exception("The numbers of lane %s can't be judged.", name)
-        return _NO_REMARKS
+        return _NO_ADVICE
 
 
 class AppState:
@@ -154,7 +154,7 @@ class AppState:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
         remarks = self._current_remarks()
         lanes = {
-            name: {**figures, **remarks.get(name, _NO_REMARKS)}
+            name: {**figures, **remarks.get(name, _NO_ADVICE)}
             for name, figures in self.session.figures.document().items()
         }
         return {"type": "metrics", "lanes": lanes}

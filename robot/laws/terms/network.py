@@ -97,12 +97,16 @@ class NetworkGains(Section):
         meaning="What the Gaussians look at: the error e, the angle q or the desired angle q_d.",
     )
 
+    @property
+    def spacing(self) -> float:
+        """Distance between the centres of two neighbouring Gaussians in [rad]."""
+        return 2.0 * self.center_span / (NODES - 1)
+
     def pack_network(self) -> Array:
         """Return the network as numbers. Shape (6, 6)."""
         block = np.zeros((NETWORK_ROWS, JOINTS))
-        spacing = 2.0 * self.center_span / (NODES - 1)
         block[SHARPNESS] = 0.5 / np.square(self.width)
-        block[DECAY] = np.exp(-2.0 * block[SHARPNESS] * spacing**2)
+        block[DECAY] = np.exp(-2.0 * block[SHARPNESS] * self.spacing**2)
         block[PHI], block[SIGMA], block[SPAN] = self.learning_rate, self.leakage, self.center_span
         block[INPUT] = INPUTS.index(self.network_input)
         return block
