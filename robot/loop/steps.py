@@ -7,6 +7,7 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -159,12 +160,15 @@ def sampled_step(
 ) -> Step:
     """Return one control period of sampled mode: measure, hold the torque, step the arm.
 
-    A torque reaches the joints ``input_delay`` after its measurement, rounded to steps of the arm.
+    A torque reaches the joints ``input_delay`` after its measurement. Where that is within a step
+    of the arm, the step is made under the mean of both torques: their impulse is exact, and what
+    the angle lacks is of the step's own order.
     """
     simulation = packed.experiment.simulation
     period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
     h = period / substeps
     (whole, part), size = simulation.delay, len(commands)
+    split, arrived, share = int(part), ceil(part), ceil(part) - part
     sample = law.sample
     truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
     refill, applied, torque = truth.refill, work[APPLIED], work[TAU]
@@ -185,12 +189,16 @@ def sampled_step(
         if bad:
             return bad
         commands[number % size] = torque
-        applied[:] = commands[(number - whole - (part > 0)) % size]
+        new = commands[(number - whole) % size]
+        applied[:] = commands[(number - whole - 1) % size]
         for substep in range(substeps):
             if substep:
                 refill()
-                if substep == part:
-                    applied[:] = commands[(number - whole) % size]
+            if substep <= arrived:
+                if substep == arrived:
+                    applied[:] = new
+                elif substep == split:
+                    applied[:] += share * (new - applied)
             bad = plant_step(t + substep * h, arm)
             if bad:
                 return bad

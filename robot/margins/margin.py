@@ -113,7 +113,7 @@ def margin_limit(simulation: Simulation) -> float:
     :math:`2\sin(\pi/(4n+2))` with n of them.
 
     Args:
-        simulation: control rate, input delay, and the steps of the arm to which it is rounded.
+        simulation: control rate and input delay.
     """
     whole, part = simulation.delay
     late = part / simulation.plant_substeps

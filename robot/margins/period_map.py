@@ -75,13 +75,13 @@ class Timing:
     Attributes:
         step: step of the arm in [s].
         steps: steps of the arm in a period.
-        delay: steps of the arm from a measurement to its torque.
+        delay: steps of the arm, or parts, from a measurement to its torque.
         periods: control periods that this one stands for.
     """
 
     step: float
     steps: int
-    delay: int
+    delay: float
     periods: float = 1.0
 
     @property
@@ -315,7 +315,7 @@ class Around:
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
         return work[TAU].copy(), reached, moved[self.learning]
 
-    def _arm_map(self, part: int) -> tuple[Array, Array, Array]:
+    def _arm_map(self, part: float) -> tuple[Array, Array, Array]:
         """Return slopes of angle and velocity after one period over themselves and the torques.
 
         Every step is the one at the period's beginning: a pose that went on while time stands
@@ -323,14 +323,13 @@ class Around:
         """
         step, rest = self._arm_step(), np.eye(JOINTS, 3 * JOINTS, 2 * JOINTS)
         held = np.vstack([step, rest])
-        first = np.linalg.matrix_power(held, part)
-        second = np.linalg.matrix_power(held, self.timing.steps - part)
-        state, both = second[: 2 * JOINTS, : 2 * JOINTS], slice(0, 2 * JOINTS)
-        return (
-            state @ first[both, both],
-            state @ first[both, 2 * JOINTS :],
-            second[both, 2 * JOINTS :],
+        both, steps, split = slice(0, 2 * JOINTS), self.timing.steps, int(part)
+        whole, later, latest = (
+            np.linalg.matrix_power(held, n)[both] for n in (steps, steps - split, steps - split - 1)
         )
+        # The step within which the new torque arrives is made under the mean of both.
+        late = (later + part % 1.0 * (latest - later))[:, 2 * JOINTS :]
+        return whole[:, both], whole[:, 2 * JOINTS :] - late, late
 
     def _arm_step(self) -> Array:
         """Return slopes of angle and velocity after one step over themselves and the torque."""
@@ -367,4 +366,4 @@ class Around:
         plant, early[both], late[both] = self._arm_map(part)
         own[both, both] += plant
         switching = reach - proportional
-        return PeriodMap(own, late, early, rest, proportional, switching, whole, self.timing)
+        return PeriodMap(own, late, early, rest, proportional, switching, int(whole), self.timing)

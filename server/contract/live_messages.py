@@ -86,7 +86,10 @@ class Since(BaseModel):
 
 
 class Figures(BaseModel):
-    """How good a lane was over a span of time; what comes after a freeze is in none."""
+    """How good a lane was over a span of time; what comes after a freeze is in none.
+
+    Means are over time: after a change of step or control rate, each row counts by its own period.
+    """
 
     mae: _PerJoint = Field(description="Mean absolute error [rad], by joint.")
     max_error: _PerJoint = Field(description="Greatest absolute error [rad], by joint.")
@@ -125,7 +128,7 @@ class LaneMetrics(BaseModel):
     since: Since
     total: Figures | None = Field(description="Since then; null before the first row.")
     recent: Figures | None = Field(
-        description="Over the last 10 s of simulated time, whatever changed."
+        description="Over the last 10 s of simulated time, up to 0.1 s more, whatever changed."
     )
     gamma: float | None = Field(description="As in `margin`; null where nothing is sampled.")
     margin: SamplingMargin | None = Field(description="Null where nothing is sampled.")
