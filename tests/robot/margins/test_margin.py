@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
@@ -318,7 +318,7 @@ def test_gains_too_weak_for_gravity_are_told_to_be_higher() -> None:
     assert margin.gamma is not None
     assert margin.limit is not None
     assert margin.limit > margin.gamma
-    (note,) = (note for note in notes(packed, "A") if note.path == "simulation.control_rate")
+    (note,) = (note for note in advice_on(packed, "A") if note.path == "simulation.control_rate")
     factor = float(note.message.split("reaching gains ")[-1].split()[0])
     assert "times higher" in note.message
     for share, stable in ((1.0, True), (0.95, False)):
