@@ -133,7 +133,7 @@ def extrapolated_step(
     return bound(Parts(settle, bound(None), h, cutting, work).make)
 
 
-def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Array:
+def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
     """Return the torques that wait for the input delay to pass; step ``n`` writes row ``n % size``.
 
     Args:
@@ -149,7 +149,7 @@ def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Arr
     if simulation.mode == "continuous":
         return np.empty((0, JOINTS))
     size = simulation.delay[0] + 2
-    if before is None or len(before) != size:
+    if len(before) != size:
         before = np.tile(work[TAU], (size, 1))
     bounded: Array = np.clip(before, -limit, limit)
     return bounded

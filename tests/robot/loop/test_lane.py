@@ -250,7 +250,6 @@ def test_torques_on_their_way_obey_a_new_limit() -> None:
     packed = packed_of(document)
     lane = lane_of(packed)
     stepped(lane, packed, 20)
-    assert lane.commands is not None
     assert np.abs(lane.commands).max() > 5.0
     lane.adopt(pack(packed.experiment.patched({"robot": {"torque_limit": 5.0}})))
     assert np.abs(lane.commands).max() <= 5.0
@@ -273,7 +272,6 @@ def test_a_loop_that_becomes_sampled_begins_with_the_torque_it_had() -> None:
     packed = packed_of({"lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}}})
     lane = lane_of(packed)
     stepped(lane, packed, 20)
-    assert lane.commands is not None
     assert not lane.commands.size
     sampled = {"mode": "sampled", "input_delay": 0.003}
     lane.adopt(pack(packed.experiment.patched({"simulation": sampled})))
