@@ -20,7 +20,9 @@ from slidetune.robot.kernels.workspace import (
     MEMORY_ROWS,
     PUSH,
     QD,
-    RECORD,
+    R_Q,
+    R_QD,
+    R_TAU,
     RECORD_COLUMNS,
     STATE_ROWS,
     TALLY,
@@ -38,10 +40,6 @@ from slidetune.robot.motion.trajectory import reference
 Array = np.ndarray
 
 log = logging.getLogger("slidetune.lane")
-
-DESIRED = RECORD.index("q_d") * JOINTS
-"""First column of a record that holds the desired motion."""
-
 
 NO_COMMANDS = np.empty((0, JOINTS))
 MEMORY = slice(CHANGE_Q, CHANGE_Q + MEMORY_ROWS)
@@ -203,7 +201,7 @@ class Lane:
         """Record a frozen lane: its last finite row, and the desired motion that goes on."""
         reference(time, packed.trajectory, self.work)
         self.record[row] = self.record[row - 1]
-        self.record[row, DESIRED:] = self.work[QD : VD + 1].ravel()
+        self.record[row, R_QD:] = self.work[QD : VD + 1].ravel()
 
     def stop(self, packed: Packed, time: float, joint: int, row: int) -> None:
         """Freeze at the last finite state and say why.
@@ -251,11 +249,11 @@ class Lane:
         reference(time, packed.trajectory, work)
         known = self.record[row - 1].copy() if started else np.zeros(RECORD_COLUMNS)
         last = np.zeros((STATE_ROWS, JOINTS))
-        last[Q], last[V] = known[: 2 * JOINTS].reshape(2, JOINTS) if started else work[[QD, VD]]
+        last[Q], last[V] = known[R_Q:R_TAU].reshape(2, JOINTS) if started else work[[QD, VD]]
         _replace_broken(work[:STATE_ROWS], last)
         _replace_broken(work[TAU], np.zeros(JOINTS))
-        known[: 2 * JOINTS] = work[[Q, V]].ravel()
-        known[DESIRED:] = work[QD : VD + 1].ravel()
+        known[R_Q:R_TAU] = work[[Q, V]].ravel()
+        known[R_QD:] = work[QD : VD + 1].ravel()
         _replace_broken(self.record[row], known)
 
 

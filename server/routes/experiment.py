@@ -46,18 +46,25 @@ def yaml_response(experiment: Experiment, name: str) -> Response:
     return Response(experiment_to_yaml(experiment), media_type=YAML, headers=headers)
 
 
+def answer(
+    revision: int, preset: str, experiment: Experiment, waiting_steps: int = 0
+) -> dict[str, Any]:
+    """Return an ``ExperimentAnswer``."""
+    return {
+        "revision": revision,
+        "preset": preset,
+        "experiment": experiment.document(),
+        "waiting_steps": waiting_steps,
+    }
+
+
 def experiment_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live document."""
     router = APIRouter(prefix="/api", tags=["experiment"])
     document = app_state.document
 
-    def answer(waiting_steps: int = 0) -> dict[str, Any]:
-        return {
-            "revision": document.revision,
-            "preset": document.preset,
-            "experiment": document.experiment.document(),
-            "waiting_steps": waiting_steps,
-        }
+    def present(waiting_steps: int = 0) -> dict[str, Any]:
+        return answer(document.revision, document.preset, document.experiment, waiting_steps)
 
     @router.get("/schema")
     async def schema() -> dict[str, Any]:
@@ -69,13 +76,13 @@ def experiment_router(app_state: AppState) -> APIRouter:
         """The live document, as JSON or as a YAML download."""
         if format == "yaml":
             return yaml_response(document.experiment, document.preset or "experiment")
-        return answer()
+        return present()
 
     @router.patch("/experiment", response_model=ExperimentAnswer, responses=REFUSED)
     def patch(patch: Annotated[dict[str, Any], Body(examples=[_PATCH])]) -> dict[str, Any]:
         """Change the live document by a JSON Merge Patch (RFC 7396)."""
         document.patch(patch, author="http")
-        return answer(app_state.session.waiting_steps)
+        return present(app_state.session.waiting_steps)
 
     @router.put(
         "/experiment",
@@ -100,6 +107,6 @@ def experiment_router(app_state: AppState) -> APIRouter:
             document.replace(parse_experiment(body, content_type), author="http")
 
         await asyncio.to_thread(begin)
-        return answer()
+        return present()
 
     return router

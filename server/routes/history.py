@@ -10,6 +10,7 @@ from starlette.exceptions import HTTPException
 
 from slidetune.robot.experiment.document import LaneName
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer, Strict
+from slidetune.server.routes.experiment import answer
 from slidetune.server.state.app_state import AppState
 
 REFUSED: dict[int | str, dict[str, Any]] = {
@@ -49,11 +50,7 @@ def history_router(app_state: AppState) -> APIRouter:
         if experiment is None:
             raise HTTPException(404, f"edit {number} isn't in the history any more")
         change = app_state.document.restore(experiment, author="history")
-        return {
-            "revision": change.revision,
-            "preset": app_state.document.preset,
-            "experiment": change.experiment.document(),
-        }
+        return answer(change.revision, app_state.document.preset, change.experiment)
 
     @router.get("/session/past")
     async def past() -> dict[str, Any]:
@@ -79,10 +76,6 @@ def history_router(app_state: AppState) -> APIRouter:
         change = app_state.document.fork(
             wanted.time, wanted.origin, wanted.name, wanted.gains, author="http"
         )
-        return {
-            "revision": change.revision,
-            "preset": app_state.document.preset,
-            "experiment": change.experiment.document(),
-        }
+        return answer(change.revision, app_state.document.preset, change.experiment)
 
     return router

@@ -159,7 +159,7 @@ class Conversation:
         )
 
     def _select(self, lane: str) -> None:
-        self._app_state.refuse_unknown(lane)
+        self._app_state.document.experiment.lane(lane)
         self._app_state.view.selected = lane
         self._app_state.session.ask(self._app_state.session.on_change)
 

@@ -17,7 +17,7 @@ from slidetune.server.contract.messages import (
     PresetList,
 )
 from slidetune.server.contract.openapi import OR_YAML, YAML
-from slidetune.server.routes.experiment import parse_experiment, yaml_response
+from slidetune.server.routes.experiment import answer, parse_experiment, yaml_response
 from slidetune.server.state.app_state import AppState
 from slidetune.server.state.preset_quota import save_within_quota
 
@@ -92,10 +92,6 @@ def presets_router(app_state: AppState) -> APIRouter:
     def load(name: str) -> dict[str, Any]:
         """Begin a preset in the live session, at time 0."""
         change = app_state.document.replace(preset_store().load(name), preset=name, author="http")
-        return {
-            "revision": change.revision,
-            "preset": name,
-            "experiment": change.experiment.document(),
-        }
+        return answer(change.revision, name, change.experiment)
 
     return router

@@ -10,7 +10,6 @@ from typing import Any
 
 from slidetune.robot import __version__
 from slidetune.robot.advice.advice import advice_on
-from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.laws import LAWS
@@ -108,17 +107,6 @@ class AppState:
             base = Experiment.from_document(document)
         return base.patched(patch) if patch else base
 
-    def refuse_unknown(self, lane: str) -> None:
-        """Refuse the name of a lane that there isn't.
-
-        Raises:
-            InvalidExperimentError: naming those that there are.
-        """
-        lanes = self.document.experiment.lanes
-        if lane not in lanes:
-            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
-            raise InvalidExperimentError([FieldError("lane", text, lane)])
-
     def reset(self, lane: str | None) -> None:
         """Reset the session, or one lane alone.
 
@@ -129,7 +117,7 @@ class AppState:
         if lane is None:
             self.session.reset()
         else:
-            self.refuse_unknown(lane)
+            self.document.experiment.lane(lane)
             self.session.reset_lane(lane)
 
     def health(self) -> dict[str, Any]:

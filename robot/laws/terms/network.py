@@ -149,7 +149,7 @@ def gaussians(x, block, j, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def network(block, base, work):  # type: ignore[no-untyped-def]
+def network(block, state, work):  # type: ignore[no-untyped-def]
     r"""Output of the network and how fast learning would change it (Eq. 19-21).
 
     .. math:: h_j = \exp\frac{-(x - c_j)^2}{2 b^2}, \quad f_i = \sum_j W_{ji} h_{ji}, \quad
@@ -157,7 +157,7 @@ def network(block, base, work):  # type: ignore[no-untyped-def]
 
     Args:
         block: numbers of ``NetworkGains.pack_network``. Shape (6, 6).
-        base: first row of the state whose weights count.
+        state: first row of the state whose weights count.
         work: workspace; writes HIDDEN, NETWORK [N m], NETWORK_SLOPE = phi * sum h^2, LEARNING,
             LEAKAGE.
     """
@@ -174,7 +174,7 @@ def network(block, base, work):  # type: ignore[no-untyped-def]
     for n in range(NODES):
         for j in range(JOINTS):
             hidden = work[HIDDEN + n, j]
-            work[NETWORK, j] += work[base + W + n, j] * hidden
+            work[NETWORK, j] += work[state + W + n, j] * hidden
             work[NETWORK_SLOPE, j] += block[PHI, j] * hidden * hidden
 
 
