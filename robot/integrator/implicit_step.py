@@ -3,7 +3,7 @@
 With the published gains the closed loop is far too stiff for any explicit scheme at 1 ms: k1 c is
 1500 N m s/rad on a wrist of 0.001 kg m^2. One 6 x 6 elimination buys a step that does not care, as
 long as the slopes at its beginning still hold at its end. Where they do not, at the edge of the
-boundary layer, at a torque limit or where Coulomb friction turns, ``robot.implicit_solve`` solves
+boundary layer, at a torque limit or where Coulomb friction turns, ``implicit_solve`` solves
 the whole equation.
 """
 

@@ -64,7 +64,7 @@ _STILL = 1e-12
 def reaching_at(s, j, work):  # type: ignore[no-untyped-def]
     """Return the reaching law of joint ``j`` at ``s`` and its slope; linear if only that is known.
 
-    A law that calls ``robot.switching.reach`` leaves the whole curve in CURVE. One that writes
+    A law that calls ``reach`` leaves the whole curve in CURVE. One that writes
     REACH and GAIN itself is taken to be linear in S.
     """
     curve = work[CURVE : CURVE + CURVE_ROWS]

@@ -59,7 +59,7 @@ def kernel_table(
         trajectory: what ``pack_trajectory`` returned. Shape (m,).
         work: the lane's workspace.
         record: rows to write. Shape (k, 48).
-        stage: what a kernel of continuous mode is asked for; see ``robot.stages``.
+        stage: what a kernel of continuous mode is asked for; see ``robot.integrator.stages``.
         step: step or control period in [s]. It and TOLERANCE, how many times its tolerance the
             error of a step may be, can be changed in the table.
 

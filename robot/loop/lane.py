@@ -80,7 +80,7 @@ class LaneState:
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
         commands: torques that wait for the input delay to pass in [N m], the oldest first.
             Shape (n, 6).
-        buckets: how far the next steps may be cut; see ``robot.cutting.Cutting.buckets``.
+        buckets: how far the next steps may be cut; see ``Cutting.buckets``.
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
     """
@@ -103,12 +103,12 @@ class Lane:
 
     Attributes:
         name: its name in the experiment.
-        work: workspace of the kernels; ``robot.workspace`` names its rows.
-        record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
+        work: workspace of the kernels; ``robot.kernels.workspace`` names its rows.
+        record: what the steps wrote, in the order of ``RECORD``. Shape (n, 48).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
-        step: the bound step; see ``robot.cutting.Step``.
+        step: the bound step; see ``robot.integrator.cutting.Step``.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """Says in our words what is wrong with a request or a message, where pydantic says it in its own.
 
-What is wrong with an experiment is the business of ``robot.refusal``; this is about all else.
+What is wrong with an experiment is told by ``robot.fields.refusal``; this is about all else.
 """
 
 from __future__ import annotations

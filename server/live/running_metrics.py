@@ -96,7 +96,7 @@ class RunningMetrics:
     Attributes:
         total: what has added up since ``time``.
         time: since when that counts in [s].
-        reason: why it counts since then; see ``server.contract.Since``.
+        reason: why it counts since then; see ``server.contract.live_messages.Since``.
     """
 
     def __init__(

@@ -34,7 +34,7 @@ UNITS = {
     "diverged_at": "s",
     "error_estimate": "rad",
 }
-"""Units of ``robot.metrics.Metrics`` and ``robot.accuracy.Accuracy``."""
+"""Units of ``robot.loop.metrics.Metrics`` and ``robot.loop.accuracy.Accuracy``."""
 
 _PER_JOINT = (
     ("mae", "mean |e|", "mrad", 1e3),

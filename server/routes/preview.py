@@ -16,7 +16,7 @@ BINARY = "application/octet-stream"
 SUPERSEDED: dict[int | str, dict[str, Any]] = {
     200: {
         "content": {BINARY: {}},
-        "description": "See ``server.preview.encode_responses``. Each lane's ``accuracy`` holds "
+        "description": "See ``encode_responses``. Each lane's ``accuracy`` holds "
         "``error_estimate`` [rad], null in a quick run; ``unconverged``, steps whose equation was "
         "not solved to its tolerance; ``capped``, rows whose step was not cut as far as its error "
         "asked; ``remark``, what is wrong and what would help; ``patch``, which sets it, or null.",

@@ -3,7 +3,7 @@
 Viser listens on a loopback port of its own, which a browser elsewhere can't reach and which
 checks nobody. This relay carries its page and its WebSocket through the server's one address:
 one port to forward, one place where access is checked. Viser's own port is locked with a key that
-only the relay knows (``server.scene_lock``).
+only the relay knows (``server.scene.lock``).
 
 Messages to Viser wait where they come faster than they may. Of a viewer's messages only the
 camera's pass: everything else that a browser can say to Viser pulls at the arm or presses a button.
@@ -73,7 +73,7 @@ def scene_router(port: int, key: str = "") -> APIRouter:
 
     Args:
         port: the TCP port on 127.0.0.1 that Viser listens on.
-        key: what ``server.scene_lock.lock_scene`` returned, where that port is locked.
+        key: what ``server.scene.lock.lock_scene`` returned, where that port is locked.
 
     Returns:
         `GET` and `HEAD` of `/scene` and `/scene/...`, WebSockets at `/scene` and `/scene/`.
