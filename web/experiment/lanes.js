@@ -8,6 +8,8 @@ import {openMenu} from '../dom/menu.js';
 
 /** @typedef {import('../api/api.js').Lane} Lane */
 
+const MEANING = 'A lane is one controller in a closed loop of its own. All lanes run in lockstep '
+  + 'against the same trajectory and disturbance.';
 const RESET_LANE = 'This lane begins anew where the trajectory is now, with the initial error and '
   + 'velocity of the simulation and empty weights. Time and the other lanes go on.';
 
@@ -54,7 +56,11 @@ class LaneList {
   }
 
   mount() {
-    this.#place.append(this.#list, this.#add);
+    this.#place.append(
+      element('p', {class: 'lanes-meaning', title: MEANING},
+        element('b', {}, 'Lanes'), ': one controller each, run in lockstep'),
+      this.#list, this.#add,
+    );
     this.#build();
     this.#api.addEventListener('hello', () => this.#build());
     this.#api.addEventListener('patch', () => this.#laws());
