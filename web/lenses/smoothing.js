@@ -94,7 +94,7 @@ export class SmoothingCard {
     this.#draw();
     try {
       await this.#api.settled();
-      await this.#api.study('switching', {lane}, (row) => {
+      await this.#api.runs.study('switching', {lane}, (row) => {
         if (signal.aborted) return;
         this.#rows.push(/** @type {Row} */ (row));
         this.#draw();
