@@ -175,6 +175,9 @@ export class Api extends EventTarget {
 
   // Documents
 
+  /** @returns {Promise<{[name: string]: number}>} what a client may do at most */
+  async limits() { return (await request('GET', '/api/health')).limits; }
+
   /** @returns {Promise<Document>} JSON Schema of an experiment */
   schema() { return request('GET', '/api/schema'); }
 
