@@ -164,6 +164,10 @@ def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(
     open_page(page, dashboard)
     page.get_by_role("button", name="Save", exact=True).click()
     dialog = page.locator("dialog[open]")
+    fields = dashboard.client.get("/api/schema").json()["properties"]
+    for text in ("title", "description"):
+        most = str(fields[text]["maxLength"])
+        expect(dialog.locator(f"[name={text}]")).to_have_attribute("maxlength", most)
     name, alert = dialog.locator("[name=name]"), dialog.locator(".dialog-alert")
     for wrong in ("my_gains", "../evil", "My gains"):
         name.fill(wrong)
@@ -202,6 +206,20 @@ def test_an_export_comes_back_by_import(page: Page, dashboard: Dashboard, tmp_pa
     nu.fill("11")
     nu.press("Enter")
     expect(undo).to_have_count(0)
+
+
+def test_a_file_larger_than_the_server_takes_is_not_sent(
+    page: Page, dashboard: Dashboard, tmp_path: Path
+) -> None:
+    open_page(page, dashboard)
+    most = dashboard.client.get("/api/health").json()["limits"]["body_bytes"]
+    large = tmp_path / "large.yaml"
+    large.write_text("#" * (most + 1))
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Import").click()
+    chooser.value.set_files(large)
+    told = f"large.yaml was not imported: it is larger than {most // 1024} KiB."
+    expect(page.locator(".notice")).to_contain_text(told)
 
 
 def test_a_bad_import_is_refused_with_line_and_field(

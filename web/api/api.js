@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The server: the only module that knows its addresses and messages.
+ * The server, its live session above all. Only this folder knows its addresses and messages.
  *
  * Views read the state fields and listen to the events:
  * `hello`, `patch`, `state`, `metrics`, `notice`, `error`: the server's message as `detail`
@@ -14,8 +14,9 @@
  */
 
 import {Connection} from './connection.js';
-import {ApiError, request, requestLines} from './http.js';
+import {ApiError, request} from './http.js';
 import {Outbox} from './outbox.js';
+import {Runs} from './runs.js';
 import {decoded} from './telemetry_frame.js';
 import {isWatching, takeRole} from './watch_only.js';
 
@@ -71,6 +72,8 @@ export class Api extends EventTarget {
   selected = '';
   /** How the 3D scene is drawn. */
   drawn = {exaggeration: 1, ghosts: true};
+  /** Whole runs beside the live session. */
+  runs = new Runs(this);
 
   #viewed = 0;
   #connection = new Connection('/api/live', {
@@ -172,6 +175,9 @@ export class Api extends EventTarget {
 
   // Documents
 
+  /** @returns {Promise<{[name: string]: number}>} what a client may do at most */
+  async limits() { return (await request('GET', '/api/health')).limits; }
+
   /** @returns {Promise<Document>} JSON Schema of an experiment */
   schema() { return request('GET', '/api/schema'); }
 
@@ -215,51 +221,6 @@ export class Api extends EventTarget {
    * @returns {Promise<Lesson>} with every step's experiment
    */
   lesson(name) { return request('GET', `/api/lessons/${encodeURIComponent(name)}`); }
-
-  // Whole runs beside the live session
-
-  /**
-   * Run a lane over its horizon and look at it; while watching: what the owner last saw.
-   *
-   * @param {string} lane
-   * @param {('sliding'|'network'|'chattering')[]} lenses
-   * @param {{experiment?: Document, patch?: Document, signal?: AbortSignal}} [options] sent along,
-   *   so that the server's may be another by then; `patch`: what is different in it
-   * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up
-   */
-  lens(lane, lenses, {experiment = this.experiment, patch = {}, signal} = {}) {
-    if (isWatching()) {
-      const query = new URLSearchParams({lane, lens: lenses[0]});
-      return request('GET', `/api/results/lens?${query}`, undefined, signal);
-    }
-    return request('POST', '/api/lens', {lane, lenses, patch, experiment}, signal);
-  }
-
-  /**
-   * Many short runs, told as they end; see the kinds at the server's `/api/studies`.
-   *
-   * @param {'strip'|'sensitivity'|'switching'} kind
-   * @param {Document} body
-   * @param {(row: Document) => void} onRow
-   * @param {AbortSignal} [signal]
-   * @returns {Promise<void>} kept when all runs have ended
-   */
-  study(kind, body, onRow, signal) {
-    return requestLines(`/api/studies/${kind}`, body, onRow, signal);
-  }
-
-  /**
-   * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
-   * server gives up the older.
-   *
-   * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
-   * @param {AbortSignal} [signal]
-   * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
-   */
-  preview(body, signal) {
-    if (isWatching()) return request('GET', '/api/results/response', undefined, signal);
-    return request('POST', '/api/preview', {...body, client: `${this.client} preview`}, signal);
-  }
 
   // The past
 

@@ -240,7 +240,7 @@ export class Preview extends EventTarget {
     const controller = new AbortController();
     this.#running = {kind, revision: this.#api.revision, controller};
     try {
-      const buffer = await this.#api.preview(body, controller.signal);
+      const buffer = await this.#api.runs.preview(body, controller.signal);
       return buffer && decodedResponse(buffer);
     } catch (error) {
       if (controller.signal.aborted) return null;

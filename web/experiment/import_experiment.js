@@ -8,8 +8,7 @@ import {tellWithUndo} from '../dom/undo_notice.js';
 
 /** @typedef {import('../api/api.js').ApiError} ApiError */
 
-/** More than any experiment needs; the server has the last word. */
-const MOST_BYTES = 1_000_000;
+const KIBIBYTE = 1024;
 const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m;
 
 /**
@@ -29,9 +28,15 @@ export function mountImport(api, history, tell) {
   };
   const takeFile = async (/** @type {File|undefined} */ file) => {
     if (!file) return;
-    if (file.size > MOST_BYTES) {
-      tell(`${file.name} was not imported: it is larger than 1 MB.`, {error: true});
-    } else await take(file.name, await file.text());
+    try {
+      // Before it is read: it may be a film.
+      const {body_bytes: most} = await api.limits();
+      if (file.size > most) throw new Error(`it is larger than ${most / KIBIBYTE} KiB.`);
+      await take(file.name, await file.text());
+    } catch (error) {
+      const {message} = /** @type {Error} */ (error);
+      tell(`${file.name} was not imported: ${message}`, {error: true});
+    }
   };
   mountDrop(takeFile);
   addEventListener('paste', (event) => {

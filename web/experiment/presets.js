@@ -5,6 +5,7 @@ import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {placeAt} from '../dom/menu.js';
+import {Schema} from '../fields/schema.js';
 import {same} from '../fields/merge_patch.js';
 
 /** @typedef {import('../api/api.js').Preset} Preset */
@@ -117,14 +118,24 @@ export class Presets {
   }
 
   /** Ask for a name and save the live experiment under it. */
-  save() {
+  async save() {
+    try {
+      this.#askHow(new Schema(await this.#api.schema()));
+    } catch (error) {
+      this.#fail(error);
+    }
+  }
+
+  /** @param {Schema} schema */
+  #askHow(schema) {
     const {preset, experiment} = this.#api;
     const questions = [
       {name: 'name', label: 'Name', value: preset, required: true, length: 60,
         hint: 'Small letters, digits and -; it becomes the file’s name.'},
-      {name: 'title', label: 'Title', value: experiment.title, length: 120},
+      {name: 'title', label: 'Title', value: experiment.title,
+        length: schema.longest('title')},
       {name: 'description', label: 'What to look at', value: experiment.description, long: true,
-        length: 4000},
+        length: schema.longest('description')},
     ];
     let agreed = '';
     ask('Save as preset', questions, 'Save', async ({name: typed, ...about}, {relabel}) => {

@@ -65,6 +65,12 @@ export class Schema {
   get mostLanes() { return this.#root.properties.lanes.maxProperties ?? Infinity; }
 
   /**
+   * @param {'title'|'description'} text of the experiment
+   * @returns {number} most characters of it
+   */
+  longest(text) { return this.#root.properties[text].maxLength; }
+
+  /**
    * @param {string} law
    * @param {string} lane name
    * @returns {Field[]} the gains of a lane, each with its `group`

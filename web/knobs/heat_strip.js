@@ -139,7 +139,7 @@ class HeatStrips {
     const [, lane, name] = strip.field.path;
     const body = {lane, field: name, count: COUNT, joint: strip.joint};
     try {
-      await this.#api.study('strip', body, (row) => {
+      await this.#api.runs.study('strip', body, (row) => {
         strip.add(/** @type {StudyRow} */ (row));
       }, strip.signal);
     } catch (error) {

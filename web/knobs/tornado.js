@@ -91,7 +91,7 @@ export class Tornado {
     this.#draw();
     try {
       const body = {lane: this.#lane, change: CHANGE};
-      await api.study('sensitivity', body, (row) => this.#add(/** @type {StudyRow} */ (row)), run.signal);
+      await api.runs.study('sensitivity', body, (row) => this.#add(/** @type {StudyRow} */ (row)), run.signal);
     } catch (error) {
       if (run.signal.aborted) return;
       this.#alert.textContent = /** @type {Error} */ (error).message;

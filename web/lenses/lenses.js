@@ -181,7 +181,7 @@ class Lenses {
     if (!isWatching()) this.#status.textContent = 'computing …';
     let failure = '';
     try {
-      const seen = await this.#api.lens(lane, [/** @type {any} */ (id)]);
+      const seen = await this.#api.runs.lens(lane, [/** @type {any} */ (id)]);
       // The owner's look may be at an older experiment, which comes with it.
       const {experiment} = {experiment: present, ...seen};
       const gains = experiment.lanes?.[lane] ?? {};

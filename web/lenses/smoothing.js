@@ -14,7 +14,8 @@ import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 /** @typedef {import('./card.js').Look} Look */
 /** @typedef {import('./figure.js').Colors} Colors */
 /**
- * @typedef {{name: string, value: any, present: boolean, mae: number|null,
+ * `count`: of all runs that the study makes.
+ * @typedef {{count: number, name: string, value: any, present: boolean, mae: number|null,
  *   chattering: number|null, state: string, reason: string}} Row
  */
 
@@ -94,7 +95,7 @@ export class SmoothingCard {
     this.#draw();
     try {
       await this.#api.settled();
-      await this.#api.study('switching', {lane}, (row) => {
+      await this.#api.runs.study('switching', {lane}, (row) => {
         if (signal.aborted) return;
         this.#rows.push(/** @type {Row} */ (row));
         this.#draw();
@@ -148,9 +149,10 @@ export class SmoothingCard {
   #says(switches, old) {
     if (isWatching()) return RUNS_ARE_THE_OWNERS;
     if (!switches) return 'This law has no switching function to smooth.';
-    if (this.#running) return `${this.#rows.length} of 16 runs …`;
+    const [row] = this.#rows;
+    if (this.#running) return row ? `${this.#rows.length} of ${row.count} runs …` : 'The first run …';
     if (old) return 'Measured before the last change.';
-    return this.#rows.length ? '' : '16 short runs, some seconds.';
+    return row ? '' : 'Some short runs, some seconds.';
   }
 
   /** @param {Row} row */

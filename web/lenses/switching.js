@@ -111,7 +111,7 @@ export class SwitchingCard {
   async #run(experiment, lane, switching, signal) {
     try {
       const patch = {lanes: {[lane]: {switching}}};
-      const seen = await this.#api.lens(lane, ['chattering'], {experiment, patch, signal});
+      const seen = await this.#api.runs.lens(lane, ['chattering'], {experiment, patch, signal});
       return {seen};
     } catch (error) {
       const {fields, message} = /** @type {import('../api/api.js').ApiError} */ (error);

@@ -1,82 +1,59 @@
 // @ts-check
-/** Below the plots: joints, window, live or held, downloads. */
+/** Below the plots: joints, cursors, downloads, and what else their source has. */
 
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {JointToggles} from './joint_toggles.js';
 import {openMenu} from '../dom/menu.js';
-import {LENGTHS} from './window.js';
 
 /**
- * @typedef {{joint: (joint: number) => void, length: (seconds: number) => void,
- *   live: () => void, cursors: () => void, png: () => void, svg: () => void, csv: () => void}}
- *   Actions
+ * @typedef {{joint: (joint: number) => void, cursors: () => void, png: () => void,
+ *   svg: () => void, csv: () => void}} Actions
  */
 
 /** Shows the choices and reports new ones. */
 export class PlotToolbar {
   /** @type {HTMLElement} */ element;
   #joints;
-  #length;
-  #live;
   #cursors;
 
-  /** @param {Actions} actions */
-  constructor(actions) {
+  /**
+   * @param {{toolbar: string, table: string}} words its name, and what a CSV holds
+   * @param {Actions} actions
+   */
+  constructor({toolbar, table}, actions) {
     this.#joints = new JointToggles(actions.joint);
-    this.#length = element(
-      'select', {
-        class: 'plots-select',
-        on: {change: (event) => actions.length(Number(event.target.value))},
-      }, ...LENGTHS.map((seconds) => element('option', {value: seconds}, `${seconds} s`)),
-    );
-    this.#live = element('button', {
-      type: 'button', class: 'plots-button plots-live', 'aria-pressed': 'true',
-      on: {click: actions.live},
-    }, element('span', {class: 'plots-live-dot', 'aria-hidden': 'true'}), 'live');
-    this.#cursors = cursorsButton(actions.cursors);
+    this.#cursors = element('button', {
+      type: 'button', class: 'plots-button plots-cursors', 'aria-pressed': 'false',
+      title: 'Two cursors to read times and values at (keys A and B)',
+      on: {click: actions.cursors},
+    }, icon('cursors'), 'A B');
     this.element = element(
-      'div', {class: 'plots-toolbar', role: 'group', 'aria-label': 'Plot settings'},
-      this.#joints.element,
-      element('label', {class: 'plots-window'},
-        element('span', {class: 'plots-label'}, 'window'), this.#length),
-      this.#live, this.#cursors, downloadButton(actions),
+      'div', {class: 'plots-toolbar', role: 'group', 'aria-label': toolbar},
+      this.#joints.element, this.#cursors, downloadButton(actions, table),
     );
   }
 
+  /** @param {HTMLElement[]} elements to stand after the joints */
+  afterJoints(elements) { this.#joints.element.after(...elements); }
+
   /**
-   * @param {{joints: number[], perJoint: boolean, length: number, live: boolean,
-   *   cursors: boolean|null}} choices `cursors`: null where there can't be any
+   * @param {{joints: number[], perJoint: boolean, cursors: boolean|null}} choices `cursors`: null
+   *   where there can't be any
    */
-  show({joints, perJoint, length, live, cursors}) {
+  show({joints, perJoint, cursors}) {
     this.#joints.show(joints, perJoint);
     this.#cursors.setAttribute('aria-pressed', String(Boolean(cursors)));
     this.#cursors.disabled = cursors === null;
-    this.#length.value = String(length);
-    this.#live.setAttribute('aria-pressed', String(live));
-    this.#live.title = live
-      ? 'Follows the newest data. Click to hold; drag in a plot to zoom, with Shift to pan.'
-      : 'Held. Click, or double-click a plot, to follow the newest data again.';
   }
-}
-
-/**
- * @param {() => void} toggle
- * @returns {HTMLButtonElement}
- */
-export function cursorsButton(toggle) {
-  return element('button', {
-    type: 'button', class: 'plots-button plots-cursors', 'aria-pressed': 'false',
-    title: 'Two cursors to read times and values at (keys A and B)', on: {click: toggle},
-  }, icon('cursors'), 'A B');
 }
 
 /**
  * @param {Pick<Actions, 'png'|'svg'|'csv'>} actions
- * @param {string} [samples] what the table holds
+ * @param {string} table what it holds
  * @returns {HTMLButtonElement}
  */
-export function downloadButton({png, svg, csv}, samples = 'every sample in sight, all joints') {
+function downloadButton({png, svg, csv}, table) {
   const button = element('button', {
     type: 'button', class: 'plots-button', 'aria-haspopup': 'menu', 'aria-expanded': 'false',
     'aria-label': 'Download these plots', title: 'Download these plots',
@@ -84,7 +61,7 @@ export function downloadButton({png, svg, csv}, samples = 'every sample in sight
   button.addEventListener('click', () => openMenu(button, [
     {label: 'PNG image', run: png},
     {label: 'SVG image', run: svg},
-    {label: 'CSV table', hint: samples, run: csv},
+    {label: 'CSV table', hint: table, run: csv},
   ]));
   return button;
 }

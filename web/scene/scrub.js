@@ -9,7 +9,6 @@ import {icon} from '../dom/icons.js';
 
 const POLL_MS = 1000;
 const STEP = 0.1;
-const LONGEST = 60;
 
 /**
  * @param {HTMLElement} place the bar with play and pause
@@ -165,7 +164,7 @@ class Scrub {
       this.#ago.textContent = 'nothing yet';
       return;
     }
-    this.#range.min = String(Math.max(this.#span.from, this.#span.to - LONGEST));
+    this.#range.min = String(this.#span.from);
     this.#range.max = String(this.#span.to);
     const time = this.#time ?? this.#span.to;
     this.#range.value = String(time);

@@ -106,3 +106,22 @@ def test_one_click_lets_a_sampled_experiment_work_and_one_undo_takes_it_back(
     while dashboard.client.get("/api/experiment").json()["experiment"] != before:
         assert time.monotonic() < end, "one undo did not bring everything back"
         time.sleep(0.05)
+
+
+def test_stops_come_into_sight_when_the_last_lane_that_runs_is_removed(
+    page: Page, dashboard: Dashboard
+) -> None:
+    page.goto(dashboard.url)
+    expect(page.locator("#plots path.js-line").nth(8)).to_be_attached()
+    simulate(dashboard, mode="sampled")
+    for lane in LANES:
+        until(dashboard, lane, "frozen")
+    simulate(dashboard, mode="continuous")
+    page.locator(".lane[data-lane=NFTSM]").get_by_role("button", name="Reset lane").click()
+    until(dashboard, "NFTSM", "running")
+    dashboard.client.patch("/api/session", json={"speed": 10}).raise_for_status()
+    words = page.locator("#plots .textpoint text").filter(has_text="frozen")
+    expect(words).to_have_count(0, timeout=60_000)
+    dashboard.client.patch("/api/session", json={"speed": 1}).raise_for_status()
+    dashboard.client.patch("/api/experiment", json={"lanes": {"NFTSM": None}}).raise_for_status()
+    expect(words.nth(1)).to_be_visible()

@@ -1,0 +1,58 @@
+// @ts-check
+/** Whole runs that the server makes beside the live session; while watching: the owner's last. */
+
+import {request, requestLines} from './http.js';
+import {isWatching} from './watch_only.js';
+
+/** @typedef {import('../fields/merge_patch.js').Document} Document */
+
+/** Asks for runs. */
+export class Runs {
+  #api;
+
+  /** @param {import('./api.js').Api} api */
+  constructor(api) { this.#api = api; }
+
+  /**
+   * Run a lane over its horizon and look at it; while watching: what the owner last saw.
+   *
+   * @param {string} lane
+   * @param {('sliding'|'network'|'chattering')[]} lenses
+   * @param {{experiment?: Document, patch?: Document, signal?: AbortSignal}} [options] sent along,
+   *   so that the server's may be another by then; `patch`: what is different in it
+   * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up
+   */
+  lens(lane, lenses, {experiment = this.#api.experiment, patch = {}, signal} = {}) {
+    if (isWatching()) {
+      const query = new URLSearchParams({lane, lens: lenses[0]});
+      return request('GET', `/api/results/lens?${query}`, undefined, signal);
+    }
+    return request('POST', '/api/lens', {lane, lenses, patch, experiment}, signal);
+  }
+
+  /**
+   * Many short runs, told as they end; see the kinds at the server's `/api/studies`.
+   *
+   * @param {'strip'|'sensitivity'|'switching'} kind
+   * @param {Document} body
+   * @param {(row: Document) => void} onRow
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<void>} kept when all runs have ended
+   */
+  study(kind, body, onRow, signal) {
+    return requestLines(`/api/studies/${kind}`, body, onRow, signal);
+  }
+
+  /**
+   * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
+   * server gives up the older.
+   *
+   * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
+   */
+  preview(body, signal) {
+    if (isWatching()) return request('GET', '/api/results/response', undefined, signal);
+    return request('POST', '/api/preview', {...body, client: `${this.#api.client} preview`}, signal);
+  }
+}
