@@ -9,9 +9,9 @@ import {proposalButton} from './proposal.js';
 /**
  * `title`: what the patch is called, where its values are too many to say it.
  * @typedef {{level: 'info'|'warning', path: string, message: string, patch: Document|null,
- *   title: string}} Note
+ *   title: string}} Advice
  */
-/** @typedef {Note & {lanes: string[]}} Remark lanes that it is said of */
+/** @typedef {Advice & {lanes: string[]}} LaneAdvice with the lanes that it is about */
 /**
  * @typedef {{api: import('../api/api.js').Api, history: import('../api/history.js').History,
  *   names: import('../fields/field_names.js').FieldNames, tell: import('../dom/notices.js').Tell}} Desk
@@ -23,13 +23,13 @@ const WORDS = {info: 'Note', warning: 'Warning'};
  * @param {HTMLElement} column with the lanes, the gains and the rest of the experiment
  * @param {Desk} desk
  */
-export function mountGuard(column, desk) { new Guard(column, desk); }
+export function mountAdvice(column, desk) { new AdviceList(column, desk); }
 
-/** Keeps the remarks in the column in step with the server's. */
-class Guard {
+/** Keeps the advice in the column in step with the server's. */
+class AdviceList {
   #column;
   #desk;
-  /** @type {Map<string, {remark: Remark, line: HTMLElement}>} by what they said at first */
+  /** @type {Map<string, {advice: LaneAdvice, line: HTMLElement}>} by what they said at first */
   #lines = new Map();
   /** Whether lines have followed a drag since. */
   #followed = false;
@@ -51,16 +51,16 @@ class Guard {
 
   #show() {
     const {api} = this.#desk;
-    const remarks = remarksOf(api);
-    if (api.moving) { this.#follow(remarks); return; }
+    const pieces = allAdvice(api);
+    if (api.moving) { this.#follow(pieces); return; }
     if (this.#followed) this.#clear();
     const kept = new Map();
-    for (const remark of remarks) {
-      for (const [index, place] of this.#placesOf(remark).entries()) {
-        const key = JSON.stringify([remark, api.selected, index]);
-        const line = this.#lines.get(key)?.line ?? this.#line(remark);
+    for (const advice of pieces) {
+      for (const [index, place] of this.#placesOf(advice).entries()) {
+        const key = JSON.stringify([advice, api.selected, index]);
+        const line = this.#lines.get(key)?.line ?? this.#line(advice);
         if (line.parentElement !== place) place.append(line);
-        kept.set(key, {remark, line});
+        kept.set(key, {advice, line});
       }
     }
     for (const [key, {line}] of this.#lines) if (!kept.has(key)) line.remove();
@@ -73,20 +73,20 @@ class Guard {
    * Nothing may move under the hand that drags a slider: what stands there says in its own place
    * what is true by now.
    *
-   * @param {Remark[]} remarks
+   * @param {LaneAdvice[]} pieces
    */
-  #follow(remarks) {
-    const left = [...remarks];
+  #follow(pieces) {
+    const left = [...pieces];
     for (const entry of this.#lines.values()) {
-      const {remark: {path, level}, line} = entry;
+      const {advice: {path, level}, line} = entry;
       const index = left.findIndex((one) => one.path === path && one.level === level);
       // One that stands in two places is true in both.
-      const [remark] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
+      const [advice] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
       line.style.minHeight = `${line.getBoundingClientRect().height}px`;
-      line.style.visibility = remark ? '' : 'hidden';
-      if (remark && remark.message !== entry.remark.message) {
-        line.replaceChildren(...this.#line(remark).childNodes);
-        entry.remark = remark;
+      line.style.visibility = advice ? '' : 'hidden';
+      if (advice && advice.message !== entry.advice.message) {
+        line.replaceChildren(...this.#line(advice).childNodes);
+        entry.advice = advice;
       }
     }
     this.#followed = true;
@@ -99,7 +99,7 @@ class Guard {
   }
 
   /**
-   * @param {Remark} remark
+   * @param {LaneAdvice} advice
    * @returns {Element[]} the control that it is about, and for a way out of all the lanes' trouble
    *   the lanes
    */
@@ -109,14 +109,14 @@ class Guard {
     return [control, lanes].flatMap((place) => place ?? []);
   }
 
-  /** @param {Remark} remark */
+  /** @param {LaneAdvice} advice */
   #line({level, path, message, patch, title, lanes}) {
     const {api} = this.#desk;
     const others = lanes.length < api.lanes.length && !path.startsWith('lanes.');
-    const text = element('span', {class: 'guard-text'},
+    const text = element('span', {class: 'advice-text'},
       element('span', {class: 'visually-hidden'}, `${WORDS[level]}: `),
       others && element('b', {}, `${lanes.join(', ')}: `), message);
-    return element('div', {class: `guard is-${level}`},
+    return element('div', {class: `advice is-${level}`},
       icon(level === 'warning' ? 'warning' : 'info'), text, patch && proposalButton(
         this.#desk, patch, title ? {title, done: () => thaw(api)} : {},
       ));
@@ -125,10 +125,10 @@ class Guard {
   /** A closed group says that there is something in it. */
   #markGroups() {
     for (const group of this.#column.querySelectorAll('details.group')) {
-      const notes = [...group.querySelectorAll('.guard')];
+      const pieces = [...group.querySelectorAll('.advice')];
       const closed = !(/** @type {HTMLDetailsElement} */ (group).open);
-      const grave = notes.some((note) => note.classList.contains('is-warning'));
-      mark(group.querySelector('summary'), closed ? notes.length : 0, grave, '');
+      const grave = pieces.some((note) => note.classList.contains('is-warning'));
+      mark(group.querySelector('summary'), closed ? pieces.length : 0, grave, '');
     }
   }
 
@@ -137,7 +137,7 @@ class Guard {
     const {api} = this.#desk;
     for (const row of this.#column.querySelectorAll('.lane')) {
       const name = row.getAttribute('data-lane') ?? '';
-      const own = notesOf(api, name).filter(({path}) => path.startsWith('lanes.'));
+      const own = adviceOf(api, name).filter(({path}) => path.startsWith('lanes.'));
       const shown = name === api.selected ? [] : own;
       const grave = shown.some(({level}) => level === 'warning');
       const title = shown.map(({message}) => message).join('\n');
@@ -149,23 +149,23 @@ class Guard {
 /**
  * @param {import('../api/api.js').Api} api
  * @param {string} lane
- * @returns {Note[]}
+ * @returns {Advice[]}
  */
-function notesOf(api, lane) { return api.metrics?.lanes?.[lane]?.notes ?? []; }
+function adviceOf(api, lane) { return api.metrics?.lanes?.[lane]?.notes ?? []; }
 
 /**
- * What is said of several lanes in the same words is one remark; the selected lane's come first,
+ * What is said of several lanes in the same words is one advice; the selected lane's come first,
  * and the grave ones before the others.
  *
  * @param {import('../api/api.js').Api} api
- * @returns {Remark[]}
+ * @returns {LaneAdvice[]}
  */
-function remarksOf(api) {
+function allAdvice(api) {
   const names = api.lanes.map(({name}) => name);
   const order = [api.selected, ...names.filter((name) => name !== api.selected)];
-  /** @type {Map<string, Remark>} */ const found = new Map();
+  /** @type {Map<string, LaneAdvice>} */ const found = new Map();
   for (const lane of order) {
-    for (const note of notesOf(api, lane)) {
+    for (const note of adviceOf(api, lane)) {
       if (note.path.startsWith('lanes.') && lane !== api.selected) continue;
       const key = JSON.stringify([note.level, note.path, note.message, note.patch]);
       const known = found.get(key);
@@ -201,12 +201,12 @@ function thaw(api) {
 function mark(place, count, grave, title, before) {
   if (!place) return;
   const words = `${count} ${grave ? 'warning' : 'note'}${count > 1 ? 's' : ''}`;
-  const old = place.querySelector('.guard-badge');
+  const old = place.querySelector('.advice-badge');
   if (!count) { old?.remove(); return; }
   if (old?.getAttribute('data-words') === words && old.getAttribute('title') === title) return;
   old?.remove();
   const badge = element('span', {
-    class: `guard-badge ${grave ? 'is-warning' : 'is-info'}`, 'data-words': words, title,
+    class: `advice-badge ${grave ? 'is-warning' : 'is-info'}`, 'data-words': words, title,
   }, icon(grave ? 'warning' : 'info'), element('span', {class: 'visually-hidden'}, words),
   count > 1 && element('span', {'aria-hidden': 'true'}, String(count)));
   place.insertBefore(badge, before ? place.querySelector(before) : null);

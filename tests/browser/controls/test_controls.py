@@ -321,7 +321,7 @@ def test_an_exponent_says_that_it_has_no_effect_while_its_weight_is_zero(
 def test_a_remark_follows_its_slider_during_a_drag(page: Page, dashboard: Dashboard) -> None:
     screen = opened(page, dashboard)
     path = f"lanes.{PROPOSED}.nu"
-    remark = control(screen, path).locator(".guard")
+    remark = control(screen, path).locator(".advice")
     expect(remark).to_contain_text("c/ν = 33.3 s")
     other = control(screen, f"lanes.{PROPOSED}.mu")
     place = other.bounding_box()

@@ -177,7 +177,7 @@ def test_a_bar_moves_its_slider_and_undo_brings_it_back(dashboard: Dashboard, sc
 def test_a_remark_stands_at_its_control_and_its_button_sets_the_value(
     dashboard: Dashboard, screen: Page
 ) -> None:
-    remark = control(screen, f"lanes.{PROPOSED}.nu").locator(".guard")
+    remark = control(screen, f"lanes.{PROPOSED}.nu").locator(".advice")
     expect(remark).to_contain_text("c/ν = 33.3 s")
     remark.get_by_role("button", name="Set ν = 30").click()
     expect(box(screen, f"lanes.{PROPOSED}.nu")).to_have_value("30")
@@ -189,12 +189,12 @@ def test_a_remark_stands_at_its_control_and_its_button_sets_the_value(
 
 
 def test_remarks_on_other_lanes_are_a_badge_in_the_list(screen: Page) -> None:
-    badge = screen.locator('.lane[data-lane="NFTSM"] .guard-badge')
+    badge = screen.locator('.lane[data-lane="NFTSM"] .advice-badge')
     expect(badge).to_have_attribute("title", re.compile("c/ν"))
-    expect(screen.locator(f'.lane[data-lane="{PROPOSED}"] .guard-badge')).to_have_count(0)
+    expect(screen.locator(f'.lane[data-lane="{PROPOSED}"] .advice-badge')).to_have_count(0)
     select(screen, "NFTSM")
     expect(badge).to_have_count(0)
-    expect(control(screen, "lanes.NFTSM.nu").locator(".guard")).to_be_visible()
+    expect(control(screen, "lanes.NFTSM.nu").locator(".advice")).to_be_visible()
 
 
 def test_edits_are_listed_with_their_author_and_can_be_gone_back_to(
