@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +33,13 @@ class FieldError:
         """Return ``line 12: lanes.NFTSM.nu: …``."""
         where = f"line {self.line}: " if self.line is not None else ""
         return f"{where}{self.path}: {self.message}" if self.path else f"{where}{self.message}"
+
+
+def unknown_lane(path: str, name: str, known: Iterable[str], way_out: str = "") -> FieldError:
+    """Return the refusal of a lane's name that stands at ``path``; lists those that there are."""
+    return FieldError(
+        path, f"no lane is named {name}; there are: {', '.join(known)}{way_out}", name
+    )
 
 
 class InvalidExperimentError(SlidetuneError, ValueError):

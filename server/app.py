@@ -30,7 +30,7 @@ from slidetune.server.routes.results import results_router
 from slidetune.server.routes.session import session_router
 from slidetune.server.routes.studies import studies_router
 from slidetune.server.scene.relay import scene_router
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 from slidetune.server.state.hub import Hub
 
 _DESCRIPTION = """
@@ -49,29 +49,29 @@ class _Revalidated(StaticFiles):
         return response
 
 
-def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
+def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     """Return the whole application.
 
     Args:
-        studio: session, document and scene; started and stopped with the application.
+        app_state: session, document and scene; started and stopped with the application.
         policy: who may talk to it.
 
     Returns:
         An ASGI application, guarded.
     """
-    hub = Hub(studio)
+    hub = Hub(app_state)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         task = hub.start()
-        studio.start()
+        app_state.start()
         try:
             yield
         finally:
             task.cancel()
             with suppress(asyncio.CancelledError):
                 await task
-            await asyncio.to_thread(studio.stop)
+            await asyncio.to_thread(app_state.stop)
 
     app = FastAPI(
         title="Slidetune",
@@ -83,18 +83,18 @@ def create_app(studio: Studio, policy: AccessPolicy) -> ASGIApp:
         responses=REFUSALS,
     )
     install_refusals(app)
-    app.include_router(session_router(studio))
-    app.include_router(experiment_router(studio))
-    app.include_router(presets_router(studio))
-    app.include_router(history_router(studio))
+    app.include_router(session_router(app_state))
+    app.include_router(experiment_router(app_state))
+    app.include_router(presets_router(app_state))
+    app.include_router(history_router(app_state))
     app.include_router(lessons_router())
-    app.include_router(preview_router(studio))
-    app.include_router(studies_router(studio))
-    app.include_router(lens_router(studio))
-    app.include_router(results_router(studio))
-    app.include_router(live_router(studio, hub))
+    app.include_router(preview_router(app_state))
+    app.include_router(studies_router(app_state))
+    app.include_router(lens_router(app_state))
+    app.include_router(results_router(app_state))
+    app.include_router(live_router(app_state, hub))
     app.include_router(docs_router())
-    scene = studio.view.scene
+    scene = app_state.view.scene
     app.include_router(scene_router(scene.port, scene.lock()))
     _serve_page(app)
     return Access(BodyLimit(app), policy)

@@ -17,7 +17,7 @@ from slidetune.server.hosting.allocator import map_large_blocks_apart
 from slidetune.server.hosting.open_browser import open_browser, private_way
 from slidetune.server.hosting.raw_http import RawHttp
 from slidetune.server.hosting.raw_websocket import RawWebSocket, leave_foreign_text_out_of_the_log
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 PORTS = 20
 """How many ports are tried from the wanted one on (*ours*)."""
@@ -121,6 +121,6 @@ def serve(
         if port not in (0, actual):
             console.print(f"Port {port} is taken: using {actual}.")
         policy = policy_for(host, actual, token)
-        config = server_config(create_app(Studio(experiment, preset), policy))
+        config = server_config(create_app(AppState(experiment, preset), policy))
         leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import pkgutil
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -238,3 +239,15 @@ def test_no_file_is_longer_than_400_lines() -> None:
 def test_every_module_name_says_what_it_is() -> None:
     files = [*modules("robot"), *modules("server"), *modules("tests"), *scripts()]
     assert [short(path) for path in files if VAGUE_NAMES.search(path.stem)] == []
+
+
+def test_every_module_that_a_comment_names_is_there() -> None:
+    texts = [*modules("robot"), *modules("server"), *(ROOT / "robot").rglob("*.md")]
+    lost = []
+    for path in texts:
+        for name in re.findall(r"`((?:robot|server)\.[\w.]+)`", path.read_text(encoding="utf-8")):
+            try:
+                pkgutil.resolve_name(f"slidetune.{name}")
+            except (ImportError, AttributeError):
+                lost.append(f"{short(path)} names {name}")
+    assert lost == []

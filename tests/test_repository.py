@@ -82,6 +82,17 @@ def test_the_commands_of_the_contribution_guide_exist() -> None:
     assert commands <= targets()
 
 
+def test_the_files_that_the_documentation_names_exist() -> None:
+    named = re.compile(r"`((?:docs|presets|robot|server|slidetune|tests|web)/[\w/.-]*\.\w+)`")
+    pages = [path for path in ROOT.glob("*.md") if path.name != "CHANGELOG.md"]
+    pages += [*(ROOT / "docs").glob("*.md"), *(ROOT / "robot").rglob("*.md")]
+    found = {name for page in pages for name in named.findall(page.read_text(encoding="utf-8"))}
+    assert len(found) > 20
+    assert {name for name in found if not (ROOT / name).is_file()} == {
+        "presets/lessons/your-lesson.yaml"
+    }
+
+
 def test_make_help_explains_every_target() -> None:
     run = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
     explained = set(re.findall(r"^  ([a-z]+)  ", run.stdout, re.MULTILINE))

@@ -17,6 +17,7 @@ from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import JOINTS, bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
+from slidetune.robot.laws.terms.network import NetworkGains
 from slidetune.robot.margins.margin import Margin, is_stable, loop_margin
 
 Array = np.ndarray
@@ -24,18 +25,18 @@ Array = np.ndarray
 _LEFT = 0.1
 """Sliding variable in [rad/s] by which wind-up is told where the start leaves none (*ours*)."""
 _RESERVE = 1.2
-"""Torque limit that a note proposes, as a multiple of what the motion takes (*ours*)."""
-_MOST_LEAKAGE = 50.0
-"""Greatest leakage in [1/s]: the field's own bound."""
+"""Torque limit that is proposed, as a multiple of what the motion takes (*ours*)."""
+_NARROW = 0.35
+"""Width of a Gaussian over the spacing of their centres, below which there are gaps (*ours*)."""
 _STEPS_A_SWING = 10
 """Steps that show the course of a swing (*ours*)."""
 _DECAYS = 3.0
-"""Time constants within the horizon that a note proposes: 5 % of the error are left (*ours*)."""
+"""Time constants within the horizon that is proposed: 5 % of the error are left (*ours*)."""
 
 
 @dataclass(frozen=True)
-class Note:
-    """One remark on a lane's numbers.
+class Advice:
+    """One piece of advice on a lane's numbers.
 
     Attributes:
         level: ``warning`` where trouble is to be expected, ``info`` where something is surprising.
@@ -52,7 +53,7 @@ class Note:
     title: str = ""
 
 
-def _sampling(packed: Packed, name: str) -> Iterator[Note]:
+def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
     if simulation.mode != "sampled":
         return
@@ -62,7 +63,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     expected = "a limit cycle" if margin.bounded else "divergence"
     rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {expected}. "
     if margin.radius is None:
-        yield Note("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
+        yield Advice("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
         return
     rate = sufficient_rate(packed, name)
     layer = sufficient_layer(packed, name) if hasattr(lane, "epsilon") else None
@@ -73,13 +74,13 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
         whose = "Most of it is k₂/ε: it" if steep else "It"
         text = f"{rule}{whose} would take ε = {wide}{instead}."
         path = field_path(("lanes", name, "epsilon"))
-        yield Note("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
+        yield Advice("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
         return
     ways = [] if rate is None else [f"{rate:g} Hz"]
     ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
     ways += ["a shorter delay"] if simulation.input_delay else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
-    yield Note(
+    yield Advice(
         "warning",
         "simulation.control_rate",
         f"{rule}It would take {' or '.join(ways)}.",
@@ -87,10 +88,12 @@ def _sampling(packed: Packed, name: str) -> Iterator[Note]:
     )
 
 
-def _sampled_arm(packed: Packed, name: str) -> Iterator[Note]:
+def _sampled_arm(packed: Packed, name: str) -> Iterator[Advice]:
     offer = sampled_arm(packed)
     if offer is not None and name in offer.lanes:
-        yield Note("warning", "simulation.mode", offer.message, offer.patch, "Use the sampled arm")
+        yield Advice(
+            "warning", "simulation.mode", offer.message, offer.patch, "Use the sampled arm"
+        )
 
 
 def _other_gains(margin: Margin, learns: bool) -> list[str]:
@@ -129,7 +132,7 @@ def _span(values: float | list[float]) -> str:
     return _short(low) if low == high else f"{_short(low)} to {_short(high)}"
 
 
-def _sign(packed: Packed, name: str) -> Iterator[Note]:
+def _sign(packed: Packed, name: str) -> Iterator[Advice]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
     if simulation.mode != "sampled":
         return  # there sign holds S at zero
@@ -144,7 +147,7 @@ def _sign(packed: Packed, name: str) -> Iterator[Note]:
             return
         change["epsilon"] = layer
     width = _span(change.get("epsilon", lane.epsilon))
-    yield Note(
+    yield Advice(
         "info",
         field_path(("lanes", name, "switching")),
         f"sign(S) makes the torque jump by 2k₂ = {_short(2.0 * np.max(lane.k2))} N·m up to "
@@ -154,27 +157,33 @@ def _sign(packed: Packed, name: str) -> Iterator[Note]:
     )
 
 
-def _convergence(packed: Packed, name: str) -> Iterator[Note]:
+def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
     lane, horizon = packed.experiment.lanes[name], packed.experiment.simulation.horizon
     wanted = _DECAYS / horizon
+    decays = "On the surface the error's time constant is {}"
     if hasattr(lane, "nu"):
-        field, symbol, unit, formula = "nu", "ν", "1/s", "On the surface the error dies with c/ν"
+        field, symbol, unit, formula = "nu", "ν", "1/s", decays.format("c/ν")
         constant, nearest = np.max(np.divide(lane.c, lane.nu)), np.max(lane.c) * wanted
     elif hasattr(lane, "lambda_"):
         field, symbol, unit = "lambda_", "λ", "1/s"
-        formula = "On the surface the error dies with 1/λ"
+        formula = decays.format("1/λ")
         constant, nearest = np.max(np.divide(1.0, lane.lambda_)), wanted
     elif np.all(np.multiply(lane.kd, horizon) > 4.0 * _DECAYS):
-        field, symbol, unit, formula = "kp", "k_p", "1/s²", "The error dies with about k_d/k_p"
+        field, symbol, unit, formula = (
+            "kp",
+            "k_p",
+            "1/s²",
+            "The error's time constant is about k_d/k_p",
+        )
         constant = np.max(np.divide(lane.kd, np.maximum(lane.kp, 1e-9)))
         nearest = wanted * np.max(lane.kd)
     else:
         return
     if constant <= horizon:
         return
-    value = min(float(f"{nearest:.2g}"), 100.0 if unit == "1/s" else 10_000.0)
+    value = min(float(f"{nearest:.2g}"), bounds(type(lane), field)[1])
     slow = f"{formula} = {_short(constant)} s, longer than the horizon of {horizon:g} s"
-    yield Note(
+    yield Advice(
         "info",
         field_path(("lanes", name, field)),
         (f"{slow}: it hardly converges." if constant < 1e6 else "Nothing pulls the error to zero.")
@@ -188,7 +197,7 @@ def _limits(packed: Packed) -> Array:
     return np.broadcast_to(np.asarray(np.inf if limit is None else limit, dtype=float), JOINTS)
 
 
-def _motion(packed: Packed, name: str) -> Iterator[Note]:
+def _motion(packed: Packed, name: str) -> Iterator[Advice]:
     limit = _limits(packed)
     if not np.any(np.isfinite(limit)):
         return
@@ -199,7 +208,7 @@ def _motion(packed: Packed, name: str) -> Iterator[Note]:
     enough = np.maximum(limit, np.ceil(_RESERVE * need)).tolist()
     uniform = isinstance(packed.experiment.robot.torque_limit, float)
     higher = {"robot": {"torque_limit": max(enough) if uniform else enough}}
-    yield Note(
+    yield Advice(
         "warning",
         "robot.torque_limit",
         f"The motion itself takes up to {_short(need[joint])} N·m of joint {joint + 1}, which has "
@@ -209,7 +218,7 @@ def _motion(packed: Packed, name: str) -> Iterator[Note]:
     )
 
 
-def _start(packed: Packed, name: str) -> Iterator[Note]:
+def _start(packed: Packed, name: str) -> Iterator[Advice]:
     limit = _limits(packed)
     if not np.any(np.isfinite(limit)):
         return
@@ -219,7 +228,7 @@ def _start(packed: Packed, name: str) -> Iterator[Note]:
     joint = int(np.argmax(torque / limit))
     if torque[joint] <= limit[joint]:
         return
-    yield Note(
+    yield Advice(
         "info",
         "robot.torque_limit",
         f"At the start joint {joint + 1} asks for {_short(torque[joint])} N·m of the "
@@ -243,11 +252,11 @@ def _calmer_start(packed: Packed, name: str, able: Array) -> dict[str, Any] | No
     return None
 
 
-def _blindness(packed: Packed, name: str) -> Iterator[Note]:
+def _blindness(packed: Packed, name: str) -> Iterator[Advice]:
     lane = packed.experiment.lanes[name]
-    if hasattr(lane, "width") and np.min(lane.width) < 0.35 * 2.0 * lane.center_span / 9.0:
-        spacing = 2.0 * lane.center_span / 9.0
-        yield Note(
+    if isinstance(lane, NetworkGains) and np.min(lane.width) < _NARROW * lane.spacing:
+        spacing = lane.spacing
+        yield Advice(
             "info",
             field_path(("lanes", name, "width")),
             "The Gaussians are narrower than the gaps between their centres "
@@ -256,7 +265,7 @@ def _blindness(packed: Packed, name: str) -> Iterator[Note]:
         )
 
 
-def _windup(packed: Packed, name: str) -> Iterator[Note]:
+def _windup(packed: Packed, name: str) -> Iterator[Advice]:
     """Tell how fast the weights grow while a joint gives all it has and S can't vanish."""
     limit, work = _limits(packed), start(packed, name)
     learns = (work[NETWORK_SLOPE] > 0.0) & (work[LEAKAGE] == 0.0)
@@ -276,21 +285,22 @@ def _windup(packed: Packed, name: str) -> Iterator[Note]:
         if begins[joint]
         else f"Joint {joint + 1} lacks torque, and where that leaves S = {sliding[joint]:g} rad/s"
     )
+    _, most = bounds(NetworkGains, "leakage")
     way_out = (
         f"A leakage of {leakage:g} 1/s keeps it below the limit."
-        if leakage <= _MOST_LEAKAGE
+        if leakage <= most
         else "Slower learning or a start with less error limits it."
     )
-    yield Note(
+    yield Advice(
         "info",
         field_path(("lanes", name, "leakage")),
         f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m a second. "
         f"{way_out}",
-        {"lanes": {name: {"leakage": leakage}}} if leakage <= _MOST_LEAKAGE else None,
+        {"lanes": {name: {"leakage": leakage}}} if leakage <= most else None,
     )
 
 
-def _fast_disturbance(packed: Packed, name: str) -> Iterator[Note]:
+def _fast_disturbance(packed: Packed, name: str) -> Iterator[Advice]:
     """Tell of a disturbance that swings faster than the steps can follow."""
     disturbance, simulation = packed.experiment.disturbance, packed.experiment.simulation
     swings = {
@@ -302,7 +312,7 @@ def _fast_disturbance(packed: Packed, name: str) -> Iterator[Note]:
     for path, (frequency, amplitude) in swings.items():
         if not np.any(amplitude) or _STEPS_A_SWING * step * frequency <= 1.0 + 1e-9:
             continue
-        yield Note(
+        yield Advice(
             "info",
             path,
             f"{_short(frequency)} Hz leaves a swing less than {_STEPS_A_SWING} steps of "
@@ -325,7 +335,7 @@ def _finer_steps(experiment: Experiment, frequency: float) -> dict[str, Any] | N
     return {"simulation": {"step": step}} if fits else None
 
 
-def _unused(packed: Packed, name: str) -> Iterator[Note]:
+def _unused(packed: Packed, name: str) -> Iterator[Advice]:
     experiment = packed.experiment
     noise, delay = experiment.disturbance.sensor_noise, experiment.simulation.input_delay
     settings = (
@@ -340,7 +350,7 @@ def _unused(packed: Packed, name: str) -> Iterator[Note]:
     for path, value, what in settings:
         if value:
             text = f"{what} acts in sampled mode only: this loop is continuous and has none of it."
-            yield Note("info", path, text, change)
+            yield Advice("info", path, text, change)
 
 
 def _sampled(experiment: Experiment) -> dict[str, Any] | None:
@@ -353,7 +363,7 @@ def _sampled(experiment: Experiment) -> dict[str, Any] | None:
     return patch if all(is_stable(packed, name) for name in experiment.lanes) else None
 
 
-def notes(packed: Packed, name: str) -> list[Note]:
+def advice_on(packed: Packed, name: str) -> list[Advice]:
     """Return all remarks on one lane's numbers; an empty list says that nothing is amiss."""
     checks = (
         _sampling,
@@ -367,4 +377,4 @@ def notes(packed: Packed, name: str) -> list[Note]:
         _fast_disturbance,
         _unused,
     )
-    return [note for check in checks for note in check(packed, name)]
+    return [one for check in checks for one in check(packed, name)]

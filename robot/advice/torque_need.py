@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.environment.disturbance import external_torque
+from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import AD, CURRENT, QD, TAU, VD, WORK_ROWS, F, V
@@ -49,7 +49,7 @@ def required_torque(packed: Packed) -> Array:
     for t in np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS):
         reference(t, packed.trajectory, work)
         work[CURRENT + V] = work[VD]
-        external_torque(t, 0.0, CURRENT, packed.world, work)
+        external_torque(t, 0.0, CURRENT, packed.environment, work)
         inertia = pin.crba(model, data, work[QD])
         bias = pin.nonLinearEffects(model, data, work[QD], work[VD])
         greatest = np.maximum(greatest, np.abs(inertia @ work[AD] + bias + work[F]))

@@ -56,7 +56,7 @@ def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pi
 
 
 def nominal_model(robot: Robot, mismatch: float) -> pin.Model | None:
-    """Return the arm that a model-based law believes in, or ``None`` if it is the true one.
+    """Return the nominal arm of a model-based law, or ``None`` if it is the true one.
 
     It knows the armature, no friction, and the payload only where ``payload.known`` says so.
     """

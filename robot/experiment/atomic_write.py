@@ -10,7 +10,7 @@ from pathlib import Path
 _NO_HARD_LINKS = (errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
 
 
-def write_whole_file(path: Path, content: bytes, overwrite: bool) -> None:
+def atomic_write(path: Path, content: bytes, overwrite: bool) -> None:
     """Write a file so that a reader sees the old content or the new one, never a part.
 
     Args:

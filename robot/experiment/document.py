@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
-from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.errors import InvalidExperimentError, unknown_lane
 from slidetune.robot.experiment.merge_patch import merge_patch
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import Section
@@ -81,6 +81,21 @@ class Experiment(Section):
             return cls.model_validate(document)
         except ValidationError as error:
             raise InvalidExperimentError(field_errors(error, cls)) from error
+
+    def lane(self, name: str, path: str = "lane") -> Section:
+        """Return a lane's law and gains.
+
+        Args:
+            name: the lane.
+            path: where its name was given, for the refusal.
+
+        Raises:
+            InvalidExperimentError: if there is no such lane; lists those that there are.
+        """
+        if name not in self.lanes:
+            raise InvalidExperimentError([unknown_lane(path, name, self.lanes)])
+        lane: Section = self.lanes[name]
+        return lane
 
     def document(self) -> dict[str, Any]:
         """Return the experiment as plain JSON values."""

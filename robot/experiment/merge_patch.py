@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.errors import FieldError, InvalidExperimentError, unknown_lane
 from slidetune.robot.fields.plain_values import UnfitError, plain_values
 from slidetune.robot.laws import LAWS
 from slidetune.robot.motion.trajectory import (
@@ -59,13 +59,9 @@ def _renamed_in_place(before: Document, after: Document) -> Document:
 
 def _refuse_unknown(changes: Mapping[str, Any], before: Mapping[str, Any]) -> None:
     """Refuse gains for a lane that isn't there: it is misspelt, or a new one without its law."""
-    known = ", ".join(before)
+    way_out = f". A new lane needs its law, one of {', '.join(LAWS)}"
     unknown = [
-        FieldError(
-            f"lanes.{name}",
-            f"no lane is named {name}; there are: {known}. A new lane needs its law, one of "
-            f"{', '.join(LAWS)}",
-        )
+        unknown_lane(f"lanes.{name}", name, before, way_out)
         for name, change in changes.items()
         if name not in before and isinstance(change, Mapping) and "law" not in change
     ]

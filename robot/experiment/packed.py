@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.arm import build_model, nominal_model
-from slidetune.robot.environment.disturbance import pack_world
+from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.errors import FieldError, InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.motion.circle import follow_circle
@@ -24,15 +24,15 @@ class Packed:
     Attributes:
         experiment: where it comes from.
         trajectory: see ``pack_trajectory``.
-        world: see ``pack_world``.
+        environment: see ``pack_environment``.
         gains: numbers of each lane's law.
         model: the true arm.
-        nominal: the arm that model-based laws believe in, ``None`` where it is the true one.
+        nominal: the arm that model-based laws refill_nominal in, ``None`` where it is the true one.
     """
 
     experiment: Experiment
     trajectory: Array
-    world: Array
+    environment: Array
     gains: dict[str, Array]
     model: pin.Model
     nominal: pin.Model | None
@@ -52,13 +52,13 @@ def pack(experiment: Experiment) -> Packed:
             value = getattr(trajectory, error.field)
             refused = FieldError(f"trajectory.{error.field}", str(error), value)
             raise InvalidExperimentError([refused]) from error
-    world = pack_world(
+    environment = pack_environment(
         experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit
     )
     return Packed(
         experiment=experiment,
         trajectory=pack_trajectory(trajectory, turn),
-        world=world,
+        environment=environment,
         gains={name: lane.pack() for name, lane in experiment.lanes.items()},
         model=build_model(robot),
         nominal=nominal_model(robot, experiment.disturbance.nominal_mismatch),

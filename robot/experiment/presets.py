@@ -22,7 +22,7 @@ from slidetune.robot.errors import (
     SlidetuneError,
     UnknownPresetError,
 )
-from slidetune.robot.experiment.atomic_write import write_whole_file
+from slidetune.robot.experiment.atomic_write import atomic_write
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.plain_yaml import LARGEST_TEXT
 from slidetune.robot.experiment.preset_name import (
@@ -155,7 +155,7 @@ class PresetStore:
             self.user.mkdir(parents=True, exist_ok=True)
         with self._writing(f"save preset {name}"):
             try:
-                write_whole_file(path, content, overwrite)
+                atomic_write(path, content, overwrite)
             except FileExistsError as error:
                 text = f"preset {name} exists: choose another name, or overwrite it on purpose"
                 raise PresetConflictError(text) from error

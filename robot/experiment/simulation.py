@@ -109,10 +109,12 @@ class Simulation(Section):
         return self.row_period if self.mode == "sampled" else 0.0
 
     @property
-    def delay(self) -> tuple[int, int]:
-        """Input delay as whole control periods and the steps of the arm beyond them."""
-        steps = round(self.input_delay * self.control_rate * self.plant_substeps)
-        return divmod(steps, self.plant_substeps)
+    def delay(self) -> tuple[int, float]:
+        """Input delay as whole control periods and the steps of the arm, or parts, beyond them."""
+        # Rounded, so that a delay of whole steps is one, whatever 0.1 is in binary.
+        steps = round(self.input_delay * self.control_rate * self.plant_substeps, 9)
+        whole, part = divmod(steps, self.plant_substeps)
+        return int(whole), part
 
     @model_validator(mode="after")
     def _not_too_long(self) -> Simulation:

@@ -68,7 +68,7 @@ def plain_values(document: Any) -> Any:
 
     Raises:
         UnfitError: for too many values, for values nested too deep, and for keys that are too
-            long or hold halves of characters.
+            long or hold unpaired surrogates.
     """
     if too_many := excess(document):
         raise UnfitError(None, too_many)
@@ -99,5 +99,5 @@ def _checked_key(key: object, place: _Place) -> str:
     if len(key) > LONGEST_KEY:
         raise UnfitError(place, f"holds a key of {len(key)} characters, at most {LONGEST_KEY}")
     if not key.isascii() and any("\ud800" <= letter <= "\udfff" for letter in key):
-        raise UnfitError(place, "holds a key with halves of characters")
+        raise UnfitError(place, "holds a key with unpaired surrogates")
     return key

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 
 from slidetune.robot.errors import FieldError
 from slidetune.robot.fields.field_path import field_path
+from slidetune.robot.fields.pydantic_words import words
 from slidetune.robot.fields.quantity import allowed_text
 from slidetune.robot.fields.written_value import plain_value, written
 
@@ -23,16 +24,7 @@ _TEXTS = {
     "model_attributes_type": "needs a mapping",
     "dict_type": "needs a mapping",
     "invalid_key": "needs texts as keys",
-    "bool_parsing": "needs true or false",
-    "bool_type": "needs true or false",
-    "string_type": "needs a text",
-    "string_unicode": "needs a text without halves of characters",
-    "string_too_long": "takes at most {max_length} characters",
-    "too_short": "holds at least {min_length}",
-    "too_long": "holds at most {max_length}",
-    "literal_error": "needs one of {expected}",
 }
-"""Our words for what pydantic calls otherwise."""
 
 
 def _variants(annotation: Any) -> list[type[BaseModel]]:
@@ -113,10 +105,7 @@ def _dotted(parts: list[str]) -> str:
 
 def _text(error: ErrorDetails) -> str:
     """Say what is wrong with a value, in our words where pydantic's are its own."""
-    context = error.get("ctx", {})
-    text = error["msg"].removeprefix("Value error, ")
-    if error["type"] in _TEXTS:
-        text = _TEXTS[error["type"]].format(**context)
+    text = words(error, _TEXTS)
     return text if ", got " in text else f"{text}, got {written(error.get('input'))}"
 
 

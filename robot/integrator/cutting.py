@@ -63,6 +63,15 @@ class Cutting:
         parts, stuck = RUN_PARTS * rows, RUN_STUCK * rows
         return cls(left=parts, refill=0.0, tolerance=tolerance, stuck=stuck)
 
+    @property
+    def buckets(self) -> tuple[float, float, float]:
+        """What is left of parts and of failed attempts, and until when they are filled in [s]."""
+        return self.left, self.stuck, self._filled
+
+    @buckets.setter
+    def buckets(self, buckets: tuple[float, float, float]) -> None:
+        self.left, self.stuck, self._filled = buckets
+
     def fill(self, t: float, h: float) -> None:
         """Add what the rows of length ``h`` until ``t`` are worth."""
         if self.refill > 0.0:

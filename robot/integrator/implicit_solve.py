@@ -17,7 +17,8 @@ from __future__ import annotations
 
 from math import inf, isfinite, tanh
 
-from slidetune.robot.environment.disturbance import COULOMB, COULOMB_WIDTH, LIMIT
+from slidetune.robot.environment.external_torque import COULOMB_WIDTH
+from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import balance, joint_curve, limited, lost_torque
 from slidetune.robot.kernels.compiler import kernel
@@ -77,7 +78,7 @@ def _weight(j, inertia, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _shaped_torque(i, h, world, inertia, work):  # type: ignore[no-untyped-def]
+def _shaped_torque(i, h, environment, inertia, work):  # type: ignore[no-untyped-def]
     """Return the torque of joint ``i`` where SHAPE spreads the reaching law, and if it is free."""
     learning = h * work[NETWORK_SLOPE, i]
     s = work[S_FREE, i] - work[S_FALL, i] * work[ACCELERATION, i]
@@ -85,21 +86,21 @@ def _shaped_torque(i, h, world, inertia, work):  # type: ignore[no-untyped-def]
     for j in range(JOINTS):
         reached = _weight(j, inertia, work) * work[ACCELERATION, j] - work[LOAD, j]
         torque += work[SHAPE + i, j] * reached
-    return limited(torque, world[LIMIT, i])
+    return limited(torque, environment[LIMIT, i])
 
 
 @kernel
-def _any_limited(h, inertia, world, work):  # type: ignore[no-untyped-def]
+def _any_limited(h, inertia, environment, work):  # type: ignore[no-untyped-def]
     """Tell whether any torque of a shaped law is at its limit."""
     for i in range(JOINTS):
-        _, free = _shaped_torque(i, h, world, inertia, work)
+        _, free = _shaped_torque(i, h, environment, inertia, work)
         if free == 0.0:
             return True
     return False
 
 
 @kernel
-def _measure(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _measure(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Write what all equations leave into RESIDUAL; return it as squared velocity [rad^2/s^2]."""
     shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
     total = 0.0
@@ -109,8 +110,8 @@ def _measure(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-de
             if k != i:
                 left += inertia[i, k] * work[ACCELERATION, k]
         if shaped:
-            given, _ = _shaped_torque(i, h, world, inertia, work)
-            torque, _ = lost_torque(work[ACCELERATION, i], i, h, base, world, work)
+            given, _ = _shaped_torque(i, h, environment, inertia, work)
+            torque, _ = lost_torque(work[ACCELERATION, i], i, h, state, environment, work)
             left += inertia[i, i] * work[ACCELERATION, i] + bias[i] + torque - given
         else:
             left += work[LOAD, i]
@@ -120,14 +121,14 @@ def _measure(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _balance_all(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _balance_all(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     for j in range(JOINTS):
-        balance(j, _weight(j, inertia, work), h, base, bias, world, work)
-    return _measure(h, base, inertia, bias, world, work)
+        balance(j, _weight(j, inertia, work), h, state, bias, environment, work)
+    return _measure(h, state, inertia, bias, environment, work)
 
 
 @kernel
-def _newton_direction(loose, h, base, inertia, world, work):  # type: ignore[no-untyped-def]
+def _newton_direction(loose, h, state, inertia, environment, work):  # type: ignore[no-untyped-def]
     """Solve for the change of all loads; the answer stands in RIGHT.
 
     A joint that is held has only its torque to give: where limits leave fewer torques than joints
@@ -138,9 +139,9 @@ def _newton_direction(loose, h, base, inertia, world, work):  # type: ignore[no-
         work[RIGHT, i] = -work[RESIDUAL, i]
         free, slope = 0.0, 0.0
         if shaped:
-            _, free = _shaped_torque(i, h, world, inertia, work)
+            _, free = _shaped_torque(i, h, environment, inertia, work)
             free = max(free, loose)
-            _, slope = lost_torque(work[ACCELERATION, i], i, h, base, world, work)
+            _, slope = lost_torque(work[ACCELERATION, i], i, h, state, environment, work)
         for k in range(JOINTS):
             yielding = work[YIELD, k]
             entry = inertia[i, k] * yielding
@@ -156,7 +157,7 @@ def _newton_direction(loose, h, base, inertia, world, work):  # type: ignore[no-
 
 
 @kernel
-def _sweep(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _sweep(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Minimise over one joint after the other: slow, but it always goes down."""
     for j in range(JOINTS):
         load = 0.0
@@ -164,11 +165,11 @@ def _sweep(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
             if k != j:
                 load -= inertia[j, k] * work[ACCELERATION, k]
         work[LOAD, j] = load
-        balance(j, inertia[j, j], h, base, bias, world, work)
+        balance(j, inertia[j, j], h, state, bias, environment, work)
 
 
 @kernel
-def _prepare(h, base, world, work):  # type: ignore[no-untyped-def]
+def _prepare(h, state, environment, work):  # type: ignore[no-untyped-def]
     """Write GIVEN and LOST: the torques that do not depend on the acceleration."""
     shaped, held = work[FLAGS, SHAPED] != 0.0, work[FLAGS, HOLD] != 0.0
     for i in range(JOINTS):
@@ -181,13 +182,13 @@ def _prepare(h, base, world, work):  # type: ignore[no-untyped-def]
                 given -= work[REACH, i]
             work[GIVEN, i] = given
         lost = work[F, i]
-        if world[COULOMB, i] != 0.0:
-            lost -= world[COULOMB, i] * tanh(work[base + V, i] / COULOMB_WIDTH)
+        if environment[COULOMB, i] != 0.0:
+            lost -= environment[COULOMB, i] * tanh(work[state + V, i] / COULOMB_WIDTH)
         work[LOST, i] = lost
 
 
 @kernel
-def _passed(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _passed(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     r"""Return the velocity in [rad/s] that may be wrong because a joint passed through its layer.
 
     A joint that enters the thin part of its curve and leaves it again within one step feels the
@@ -207,11 +208,11 @@ def _passed(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def
             before, slope = -work[REACH, j], work[S_FALL, j] * work[GAIN, j]
             way = abs(work[ACCELERATION, j] - start)
         else:
-            given, free = limited(work[TAU, j], world[LIMIT, j])
+            given, free = limited(work[TAU, j], environment[LIMIT, j])
             before -= given
             slope += free * work[S_FALL, j] * (work[GAIN, j] + h * work[NETWORK_SLOPE, j])
             way = max(way, abs(work[ACCELERATION, j] - start))
-        after, steepness = joint_curve(work[ACCELERATION, j], j, h, base, bias, world, work)
+        after, steepness = joint_curve(work[ACCELERATION, j], j, h, state, bias, environment, work)
         if work[SLIDING, j] == 0.0:
             steepest = max(slope, steepness)
             more = max(0.0, abs(after - before) - steepest * way)
@@ -220,7 +221,7 @@ def _passed(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _keep_held_torque(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Write the torque of joints that sign(S) holds on their surface into HELD_TORQUE."""
     shaped, any_held = work[FLAGS, SHAPED] != 0.0, False
     for j in range(JOINTS):
@@ -231,39 +232,39 @@ def _keep_held_torque(h, base, inertia, bias, world, work):  # type: ignore[no-u
     for j in range(JOINTS):
         if shaped:
             # One joint's set-valued force is spread over all.
-            work[HELD_TORQUE, j], _ = _shaped_torque(j, h, world, inertia, work)
+            work[HELD_TORQUE, j], _ = _shaped_torque(j, h, environment, inertia, work)
             work[SLIDING, j] = 1.0
         elif work[SLIDING, j] != 0.0:
             a = work[ACCELERATION, j]
-            torque, _ = lost_torque(a, j, h, base, world, work)
+            torque, _ = lost_torque(a, j, h, state, environment, work)
             work[HELD_TORQUE, j] = bias[j] + torque - (work[LOAD, j] - inertia[j, j] * a)
 
 
 @kernel
-def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def solve_curves(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Solve ``M a + G(a) = 0`` from the guess in ACCELERATION, which becomes the answer.
 
     Args:
         h: step in [s].
-        base: first row of the state from which the step starts.
+        state: first row of the state from which the step starts.
         inertia: M(q). Shape (6, 6).
         bias: C v + G. Shape (6,).
-        world: what ``pack_world`` returned.
-        work: workspace with the evaluation at ``base``, S_FREE and S_FALL.
+        environment: what ``pack_environment`` returned.
+        work: workspace with the evaluation at ``state``, S_FREE and S_FALL.
 
     Returns:
         What is left of the velocity in [rad/s]: at most ``SOLVED`` where it converged.
     """
     shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
-    _prepare(h, base, world, work)
+    _prepare(h, state, environment, work)
     if shaped:
         for j in range(JOINTS):
             a = work[ACCELERATION, j]
-            value, _ = joint_curve(a, j, h, base, bias, world, work)
+            value, _ = joint_curve(a, j, h, state, bias, environment, work)
             work[LOAD, j] = _weight(j, inertia, work) * a + value
     else:
-        _sweep(h, base, inertia, bias, world, work)
-    left, loose = _balance_all(h, base, inertia, bias, world, work), 0.0
+        _sweep(h, state, inertia, bias, environment, work)
+    left, loose = _balance_all(h, state, inertia, bias, environment, work), 0.0
     wanted = 0.5 * left
     for iteration in range(_ITERATIONS):
         if left <= _AIM * _AIM or not isfinite(left):
@@ -272,36 +273,40 @@ def solve_curves(h, base, inertia, bias, world, work):  # type: ignore[no-untype
             if left > wanted:
                 break
             wanted = 0.5 * left
-        _newton_direction(loose, h, base, inertia, world, work)
+        _newton_direction(loose, h, state, inertia, environment, work)
         for j in range(JOINTS):
             work[TRIAL, j] = work[LOAD, j]
         share, tried = 1.0, inf
         for _ in range(_HALVINGS):
             for j in range(JOINTS):
                 work[LOAD, j] = work[TRIAL, j] + share * work[RIGHT, j]
-            tried = _balance_all(h, base, inertia, bias, world, work)
+            tried = _balance_all(h, state, inertia, bias, environment, work)
             if tried <= (1.0 - 0.5 * share) * left:
                 break
             share *= 0.5
         if tried < left:
             loose = 0.0
-        elif shaped and isfinite(tried) and (loose or not _any_limited(h, inertia, world, work)):
+        elif (
+            shaped
+            and isfinite(tried)
+            and (loose or not _any_limited(h, inertia, environment, work))
+        ):
             # Nothing goes down: on from the last small step, uphill as it is.
             loose = 0.0
         else:
             for j in range(JOINTS):
                 work[LOAD, j] = work[TRIAL, j]
-            tried = _balance_all(h, base, inertia, bias, world, work)
+            tried = _balance_all(h, state, inertia, bias, environment, work)
             loose = _LOOSE
             if not shaped:
-                _sweep(h, base, inertia, bias, world, work)
-                tried = _balance_all(h, base, inertia, bias, world, work)
+                _sweep(h, state, inertia, bias, environment, work)
+                tried = _balance_all(h, state, inertia, bias, environment, work)
         if tried > 0.25 * left and min(tried, left) <= SOLVED * SOLVED:
             # As good as rounding lets it become.
             left = tried
             break
         left = tried
-    passed = _passed(h, base, inertia, bias, world, work)
+    passed = _passed(h, state, inertia, bias, environment, work)
     work[ERRORS, PASSED] = max(work[ERRORS, PASSED], passed)
-    _keep_held_torque(h, base, inertia, bias, world, work)
+    _keep_held_torque(h, state, inertia, bias, environment, work)
     return left**0.5 if isfinite(left) else inf

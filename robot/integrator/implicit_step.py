@@ -3,7 +3,7 @@
 With the published gains the closed loop is far too stiff for any explicit scheme at 1 ms: k1 c is
 1500 N m s/rad on a wrist of 0.001 kg m^2. One 6 x 6 elimination buys a step that does not care, as
 long as the slopes at its beginning still hold at its end. Where they do not, at the edge of the
-boundary layer, at a torque limit or where Coulomb friction turns, ``robot.implicit_solve`` solves
+boundary layer, at a torque limit or where Coulomb friction turns, ``implicit_solve`` solves
 the whole equation.
 """
 
@@ -68,7 +68,7 @@ TOLERANCE_V = 5e-5
 
 
 @kernel
-def _solve(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Solve the filled system and, where its tangents fail, the true one; the answer in RIGHT.
 
     Returns:
@@ -78,28 +78,28 @@ def _solve(h, base, inertia, bias, world, work):  # type: ignore[no-untyped-def]
         solve(work)
     else:
         solve_symmetric(work)
-    if is_smooth(h, world, work) or tangents_hold(h, base, inertia, world, work):
+    if is_smooth(h, environment, work) or tangents_hold(h, state, inertia, environment, work):
         return 0.0
-    if follow_tanh(h, inertia, bias, world, work):
+    if follow_tanh(h, inertia, bias, environment, work):
         return 0.0
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
-    left = solve_curves(h, base, inertia, bias, world, work)
+    left = solve_curves(h, state, inertia, bias, environment, work)
     for j in range(JOINTS):
         work[RIGHT, j] = work[ACCELERATION, j]
     return left
 
 
 @kernel
-def implicit_step(h, base, target, inertia, bias, world, work):  # type: ignore[no-untyped-def]
-    r"""One implicit Euler step of the closed loop from state ``base`` to ``target``.
+def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
+    r"""One implicit Euler step of the closed loop from state ``state`` to ``into``.
 
     .. math:: M a = \tau_r + R(S_1) + h H S_1 - h_{nle} - F(v_1), \qquad
         S_1 = S + h[s_v(\ddot q_d - a) + s_e(v_d - v_1)]
 
     followed by :math:`v_1 = v + ha`, :math:`q_1 = q + hv_1` and the network's own implicit step. R
     is the reaching law, :math:`\tau_r` the rest of the torque; M, the slopes s_v, s_e of the
-    surface and all else that depends on the angles stay as they are at ``base``. The sum of the
+    surface and all else that depends on the angles stay as they are at ``state``. The sum of the
     controller's terms keeps its torque limit. The first Newton step, which mostly is enough, is
 
     .. math:: (M + h(D+B) + h^2(K + H s_v) + h^3 H s_e)\,a = r
@@ -107,36 +107,36 @@ def implicit_step(h, base, target, inertia, bias, world, work):  # type: ignore[
 
     Args:
         h: step in [s].
-        base: first row of the state to start from.
-        target: first row of the state to write.
+        state: first row of the state to start from.
+        into: first row of the state to write.
         inertia: M(q). Shape (6, 6).
         bias: C v + G. Shape (6,).
-        world: what ``pack_world`` returned.
-        work: workspace with the evaluation at ``base``.
+        environment: what ``pack_environment`` returned.
+        work: workspace with the evaluation at ``state``.
 
     Returns:
         What the equation leaves of the velocity in [rad/s]; above ``SOLVED`` it did not converge.
     """
     work[FLAGS, HOLD] = 0.0
-    fill(h, base, inertia, bias, work)
-    left = _solve(h, base, inertia, bias, world, work)
+    fill(h, state, inertia, bias, work)
+    left = _solve(h, state, inertia, bias, environment, work)
     for j in range(JOINTS):
-        a, v = work[RIGHT, j], work[base + V, j]
+        a, v = work[RIGHT, j], work[state + V, j]
         v_next = v + h * a
-        work[target + V, j] = v_next
-        work[target + Q, j] = work[base + Q, j] + h * v_next
+        work[into + V, j] = v_next
+        work[into + Q, j] = work[state + Q, j] + h * v_next
         s_next = work[S_FREE, j] - work[S_FALL, j] * a
         work[LEARNT, j] = h * work[LEARNING, j] * s_next
         work[KEPT, j] = 1.0 - h * work[LEAKAGE, j]
     for n in range(NODES):
         for j in range(JOINTS):
-            kept = work[KEPT, j] * work[base + W + n, j]
-            work[target + W + n, j] = kept + work[LEARNT, j] * work[HIDDEN + n, j]
+            kept = work[KEPT, j] * work[state + W + n, j]
+            work[into + W + n, j] = kept + work[LEARNT, j] * work[HIDDEN + n, j]
     return left
 
 
 @kernel
-def arm_step(h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def arm_step(h, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """One implicit Euler step of the arm alone under APPLIED, from CURRENT to FULL.
 
     Returns:
@@ -149,7 +149,7 @@ def arm_step(h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
         work[DIAGONAL, i] = work[MATRIX + i, i]
         work[RIGHT, i] = work[APPLIED, i] - bias[i] - work[F, i]
     work[FLAGS, HOLD] = 1.0
-    left = _solve(h, CURRENT, inertia, bias, world, work)
+    left = _solve(h, CURRENT, inertia, bias, environment, work)
     for j in range(JOINTS):
         v = work[CURRENT + V, j] + h * work[RIGHT, j]
         work[FULL + V, j] = v
@@ -207,17 +207,17 @@ def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def within_bounds(base, work):  # type: ignore[no-untyped-def]
+def within_bounds(state, work):  # type: ignore[no-untyped-def]
     """Return 0 for a state that may go on, else 1 + the joint that left its bounds."""
     # One sum a joint instead of ten questions: it isn't finite if a weight is not. Row by row, so
     # that all six are added at once.
     for j in range(JOINTS):
-        work[TRIAL, j] = work[base + W, j]
+        work[TRIAL, j] = work[state + W, j]
     for n in range(1, NODES):
         for j in range(JOINTS):
-            work[TRIAL, j] += work[base + W + n, j]
+            work[TRIAL, j] += work[state + W + n, j]
     for j in range(JOINTS):
-        q, v = work[base + Q, j], work[base + V, j]
+        q, v = work[state + Q, j], work[state + V, j]
         if not (abs(q) <= MAX_ANGLE and abs(v) <= MAX_VELOCITY and isfinite(work[TRIAL, j])):
             return j + 1
     return 0

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from math import inf, tanh
 
-from slidetune.robot.environment.disturbance import COULOMB, COULOMB_WIDTH, LIMIT, VISCOUS
+from slidetune.robot.environment.external_torque import COULOMB_WIDTH
+from slidetune.robot.environment.layout import COULOMB, LIMIT, VISCOUS
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     ACCELERATION,
@@ -63,7 +64,7 @@ _STILL = 1e-12
 def reaching_at(s, j, work):  # type: ignore[no-untyped-def]
     """Return the reaching law of joint ``j`` at ``s`` and its slope; linear if only that is known.
 
-    A law that calls ``robot.switching.reach`` leaves the whole curve in CURVE. One that writes
+    A law that calls ``reach`` leaves the whole curve in CURVE. One that writes
     REACH and GAIN itself is taken to be linear in S.
     """
     curve = work[CURVE : CURVE + CURVE_ROWS]
@@ -73,12 +74,12 @@ def reaching_at(s, j, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def lost_torque(a, j, h, base, world, work):  # type: ignore[no-untyped-def]
-    """Return the torque that the world takes from joint ``j`` at acceleration ``a``; its slope."""
-    slope = h * world[VISCOUS, j]
-    torque, coulomb = work[LOST, j] + slope * a, world[COULOMB, j]
+def lost_torque(a, j, h, state, environment, work):  # type: ignore[no-untyped-def]
+    """Return the torque that joint ``j`` loses at acceleration ``a``, and its slope."""
+    slope = h * environment[VISCOUS, j]
+    torque, coulomb = work[LOST, j] + slope * a, environment[COULOMB, j]
     if coulomb != 0.0:
-        rubbing = tanh((work[base + V, j] + h * a) / COULOMB_WIDTH)
+        rubbing = tanh((work[state + V, j] + h * a) / COULOMB_WIDTH)
         torque += coulomb * rubbing
         slope += h * coulomb * (1.0 - rubbing * rubbing) / COULOMB_WIDTH
     return torque, slope
@@ -95,7 +96,7 @@ def limited(torque, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def shaped_reaching(value, fall, a, j, h, base, work):  # type: ignore[no-untyped-def]
+def shaped_reaching(value, fall, a, j, h, state, work):  # type: ignore[no-untyped-def]
     r"""Return what SHAPE spreads of joint ``j``, and by how much it falls with the acceleration.
 
     SHAPE may be an inertia over :math:`\Gamma = \partial S/\partial\dot e`, which changes a
@@ -111,12 +112,12 @@ def shaped_reaching(value, fall, a, j, h, base, work):  # type: ignore[no-untype
         a: acceleration in [rad/s^2].
         j: joint.
         h: step in [s].
-        base: first row of the state from which the step starts.
+        state: first row of the state from which the step starts.
         work: workspace; reads the TERMINAL rows where BENDS is set.
     """
     if work[FLAGS, BENDS] == 0.0:
         return value, fall
-    nu, ratio, before = work[S_E, j], work[TERMINAL_RATIO, j], work[VD, j] - work[base + V, j]
+    nu, ratio, before = work[S_E, j], work[TERMINAL_RATIO, j], work[VD, j] - work[state + V, j]
     de = before + h * (work[AD, j] - a)
     size = max(abs(de), _STILL)
     steeper = ratio * work[TERMINAL_MU, j] * size ** (ratio - 1.0)
@@ -127,28 +128,28 @@ def shaped_reaching(value, fall, a, j, h, base, work):  # type: ignore[no-untype
 
 
 @kernel
-def joint_curve(a, j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
+def joint_curve(a, j, h, state, bias, environment, work):  # type: ignore[no-untyped-def]
     """Return G_j(a) in [N m] and its slope.
 
     Where SHAPE spreads the reaching law over all joints, it is the reaching law alone; only there
     its slope may be negative.
     """
     if work[FLAGS, HOLD] != 0.0:
-        torque, slope = lost_torque(a, j, h, base, world, work)
+        torque, slope = lost_torque(a, j, h, state, environment, work)
         return bias[j] + torque - work[APPLIED, j], slope
     s, fall = work[S_FREE, j] - work[S_FALL, j] * a, work[S_FALL, j]
     value, steepness = reaching_at(s, j, work)
     if work[FLAGS, SHAPED] != 0.0:
-        value, slope = shaped_reaching(value, fall * steepness, a, j, h, base, work)
+        value, slope = shaped_reaching(value, fall * steepness, a, j, h, state, work)
         return -value, slope
     learning = h * work[NETWORK_SLOPE, j]
-    given, free = limited(work[GIVEN, j] + value + learning * s, world[LIMIT, j])
-    torque, slope = lost_torque(a, j, h, base, world, work)
+    given, free = limited(work[GIVEN, j] + value + learning * s, environment[LIMIT, j])
+    torque, slope = lost_torque(a, j, h, state, environment, work)
     return bias[j] + torque - given, slope + free * fall * (steepness + learning)
 
 
 @kernel
-def _jump(j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
+def _jump(j, h, state, bias, environment, work):  # type: ignore[no-untyped-def]
     """Return where the curve of joint ``j`` jumps, and its values before and after.
 
     Only sign(S) jumps; ``inf`` says that there is none.
@@ -161,23 +162,23 @@ def _jump(j, h, base, bias, world, work):  # type: ignore[no-untyped-def]
         return inf, 0.0, 0.0
     a, k2 = work[S_FREE, j] / fall, curve[K2, j]
     if work[FLAGS, SHAPED] != 0.0:
-        before, _ = shaped_reaching(k2, 0.0, a, j, h, base, work)
-        after, _ = shaped_reaching(-k2, 0.0, a, j, h, base, work)
+        before, _ = shaped_reaching(k2, 0.0, a, j, h, state, work)
+        after, _ = shaped_reaching(-k2, 0.0, a, j, h, state, work)
         return a, -before, -after
-    torque, _ = lost_torque(a, j, h, base, world, work)
-    before, _ = limited(work[GIVEN, j] + k2, world[LIMIT, j])
-    after, _ = limited(work[GIVEN, j] - k2, world[LIMIT, j])
+    torque, _ = lost_torque(a, j, h, state, environment, work)
+    before, _ = limited(work[GIVEN, j] + k2, environment[LIMIT, j])
+    after, _ = limited(work[GIVEN, j] - k2, environment[LIMIT, j])
     return a, bias[j] + torque - before, bias[j] + torque - after
 
 
 @kernel
-def balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
+def balance(j, m, h, state, bias, environment, work):  # type: ignore[no-untyped-def]
     """Solve ``m a + G_j(a) = LOAD`` of one joint; write ACCELERATION and YIELD.
 
     A bracket and Newton's method: where a step leaves the bracket, its middle is taken.
     """
     load, low, high = work[LOAD, j], -inf, inf
-    at, before, after = _jump(j, h, base, bias, world, work)
+    at, before, after = _jump(j, h, state, bias, environment, work)
     if at != inf:
         if m * at + before <= load <= m * at + after:
             work[ACCELERATION, j], work[YIELD, j], work[SLIDING, j] = at, 0.0, 1.0
@@ -189,15 +190,15 @@ def balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
     elif work[S_FALL, j] > 0.0:
         # The curve is steepest at S = 0: started there, Newton's method comes from one side.
         pivot = work[S_FREE, j] / work[S_FALL, j]
-        value, _ = joint_curve(pivot, j, h, base, bias, world, work)
+        value, _ = joint_curve(pivot, j, h, state, bias, environment, work)
         if m * pivot + value > load:
             high = pivot
         else:
             low = pivot
-    if world[COULOMB, j] != 0.0:
-        pivot = -work[base + V, j] / h
+    if environment[COULOMB, j] != 0.0:
+        pivot = -work[state + V, j] / h
         if low < pivot < high:
-            value, _ = joint_curve(pivot, j, h, base, bias, world, work)
+            value, _ = joint_curve(pivot, j, h, state, bias, environment, work)
             if m * pivot + value > load:
                 high = pivot
             else:
@@ -207,7 +208,7 @@ def balance(j, m, h, base, bias, world, work):  # type: ignore[no-untyped-def]
         a = low if low != -inf else high
     slope = m
     for _ in range(_ITERATIONS):
-        value, steepness = joint_curve(a, j, h, base, bias, world, work)
+        value, steepness = joint_curve(a, j, h, state, bias, environment, work)
         wrong, slope = m * a + value - load, max(m + steepness, _FLATTEST * m)
         if abs(wrong) <= _EXACT * (abs(load) + m * abs(a)):
             break

@@ -16,31 +16,33 @@ from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from slidetune.robot.arm.dynamics import Dynamics
-from slidetune.robot.environment.disturbance import SENSOR
+from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
 
 Array = np.ndarray
 
-INERTIA, BIAS, NOMINAL_INERTIA, NOMINAL_BIAS, GAINS, WORLD, TRAJECTORY, WORK, RECORD = range(9)
+INERTIA, BIAS, NOMINAL_INERTIA, NOMINAL_BIAS, GAINS, ENVIRONMENT, TRAJECTORY, WORK, RECORD = range(
+    9
+)
 STAGE, STEP, TOLERANCE, TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, SIZE = range(9, 16)
-WORLD_SHAPE = (SENSOR + 1, JOINTS)
+ENVIRONMENT_SHAPE = (SENSOR + 1, JOINTS)
 
 
 class _Kept:
-    """Memory of a wiring: as the base of its array it keeps the wired arrays alive."""
+    """Memory of a table: as the base of its array it keeps the lane's arrays alive."""
 
     def __init__(self, table: Array, *owners: object) -> None:
         self.__array_interface__ = table.__array_interface__
         self._alive = table, owners
 
 
-def wire(
+def kernel_table(
     truth: Dynamics,
-    belief: Dynamics,
+    nominal: Dynamics,
     gains: Array,
-    world: Array,
+    environment: Array,
     trajectory: Array,
     work: Array,
     record: Array,
@@ -51,13 +53,13 @@ def wire(
 
     Args:
         truth: the true arm.
-        belief: the arm that a model-based law believes in.
+        nominal: the nominal arm of a model-based law.
         gains: numbers of the lane's law. Shape (n, 6).
-        world: what ``pack_world`` returned.
+        environment: what ``pack_environment`` returned.
         trajectory: what ``pack_trajectory`` returned. Shape (m,).
         work: the lane's workspace.
         record: rows to write. Shape (k, 48).
-        stage: what a kernel of continuous mode is asked for; see ``robot.stages``.
+        stage: what a kernel of continuous mode is asked for; see ``robot.integrator.stages``.
         step: step or control period in [s]. It and TOLERANCE, how many times its tolerance the
             error of a step may be, can be changed in the table.
 
@@ -68,10 +70,10 @@ def wire(
     shaped = (
         (truth.inertia, square),
         (truth.bias, line),
-        (belief.inertia, square),
-        (belief.bias, line),
+        (nominal.inertia, square),
+        (nominal.bias, line),
         (gains, (len(gains), JOINTS)),
-        (world, WORLD_SHAPE),
+        (environment, ENVIRONMENT_SHAPE),
         (trajectory, (len(trajectory),)),
         (work, (WORK_ROWS, JOINTS)),
         (record, (len(record), RECORD_COLUMNS)),
@@ -90,7 +92,7 @@ def wire(
     table.view(np.float64)[STEP] = step
     table.view(np.float64)[TOLERANCE] = 1.0
     # Pinocchio's own memory goes with its data, which the dynamics hold.
-    return np.asarray(_Kept(table, arrays, truth, belief))
+    return np.asarray(_Kept(table, arrays, truth, nominal))
 
 
 def _as_pointer(_context: Any, address: Any) -> Any:
@@ -105,31 +107,31 @@ _pointer: Any = intrinsic(_as_pointer)
 
 
 @kernel
-def settings(wiring):  # type: ignore[no-untyped-def]
-    """Return the stage, the step [s] and the tolerance of a wiring."""
-    numbers = wiring.view(np.float64)
-    return wiring[STAGE], numbers[STEP], numbers[TOLERANCE]
+def settings(table):  # type: ignore[no-untyped-def]
+    """Return the stage, the step [s] and the tolerance of a table."""
+    numbers = table.view(np.float64)
+    return table[STAGE], numbers[STEP], numbers[TOLERANCE]
 
 
 @kernel
-def law_arrays(wiring):  # type: ignore[no-untyped-def]
+def law_arrays(table):  # type: ignore[no-untyped-def]
     """Return what a law asks for: gains, nominal inertia, nominal bias, workspace."""
     return (
-        carray(_pointer(wiring[GAINS]), (wiring[GAIN_ROWS], JOINTS), np.float64),
-        carray(_pointer(wiring[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64),
-        carray(_pointer(wiring[NOMINAL_BIAS]), (JOINTS,), np.float64),
-        carray(_pointer(wiring[WORK]), (WORK_ROWS, JOINTS), np.float64),
+        carray(_pointer(table[GAINS]), (table[GAIN_ROWS], JOINTS), np.float64),
+        carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64),
+        carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64),
+        carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64),
     )
 
 
 @kernel
-def loop_arrays(wiring):  # type: ignore[no-untyped-def]
-    """Return what surrounds a law: inertia, bias, world, trajectory, workspace, record."""
+def loop_arrays(table):  # type: ignore[no-untyped-def]
+    """Return what surrounds a law: inertia, bias, environment, trajectory, workspace, record."""
     return (
-        carray(_pointer(wiring[INERTIA]), (JOINTS, JOINTS), np.float64),
-        carray(_pointer(wiring[BIAS]), (JOINTS,), np.float64),
-        carray(_pointer(wiring[WORLD]), WORLD_SHAPE, np.float64),
-        carray(_pointer(wiring[TRAJECTORY]), (wiring[TRAJECTORY_SIZE],), np.float64),
-        carray(_pointer(wiring[WORK]), (WORK_ROWS, JOINTS), np.float64),
-        carray(_pointer(wiring[RECORD]), (wiring[RECORD_ROWS], RECORD_COLUMNS), np.float64),
+        carray(_pointer(table[INERTIA]), (JOINTS, JOINTS), np.float64),
+        carray(_pointer(table[BIAS]), (JOINTS,), np.float64),
+        carray(_pointer(table[ENVIRONMENT]), ENVIRONMENT_SHAPE, np.float64),
+        carray(_pointer(table[TRAJECTORY]), (table[TRAJECTORY_SIZE],), np.float64),
+        carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64),
+        carray(_pointer(table[RECORD]), (table[RECORD_ROWS], RECORD_COLUMNS), np.float64),
     )

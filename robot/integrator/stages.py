@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from math import inf
 
-from slidetune.robot.environment.disturbance import (
-    LIMIT,
+from slidetune.robot.environment.external_torque import (
     changes_within_a_step,
     disturbance_torque,
     external_torque,
-    measure,
 )
+from slidetune.robot.environment.layout import LIMIT
+from slidetune.robot.environment.sensor import measure
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.implicit_step import (
     REFUSED,
@@ -27,8 +27,8 @@ from slidetune.robot.integrator.implicit_step import (
     unsolved,
     within_bounds,
 )
-from slidetune.robot.integrator.kernel_arrays import loop_arrays, settings
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.integrator.kernel_arrays import law_arrays, loop_arrays, settings
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import (
     CURRENT,
     DISTURBANCE,
@@ -49,6 +49,14 @@ from slidetune.robot.kernels.workspace import (
     NODES,
     PASSED,
     QD,
+    R_F,
+    R_Q,
+    R_QD,
+    R_S,
+    R_TAU,
+    R_V,
+    R_VD,
+    R_WEIGHTS,
     SLIDING,
     TAU,
     VD,
@@ -65,57 +73,57 @@ PLAIN, FIRST, SECOND = 0, 1, 2
 
 
 @kernel
-def begin(t, wiring):  # type: ignore[no-untyped-def]
-    """Evaluate the desired motion and the world at the state of a stage; return its first row."""
-    stage, h, _ = settings(wiring)
-    _, _, world, trajectory, work, _ = loop_arrays(wiring)
-    base = HALF if stage == SECOND else CURRENT
+def begin(t, table):  # type: ignore[no-untyped-def]
+    """Evaluate desired motion and environment at the state of a stage; return its first row."""
+    stage, h, _ = settings(table)
+    _, _, environment, trajectory, work, _ = loop_arrays(table)
+    state = HALF if stage == SECOND else CURRENT
     reference(t, trajectory, work)
-    if stage == FIRST and changes_within_a_step(world):
-        disturbance_torque(t, 0.5 * h, world, work)
+    if stage == FIRST and changes_within_a_step(environment):
+        disturbance_torque(t, 0.5 * h, environment, work)
         for j in range(JOINTS):
             work[DISTURBANCE_HALF, j] = work[DISTURBANCE, j]
-    external_torque(t, 0.5 * h if stage == SECOND else h, base, world, work)
+    external_torque(t, 0.5 * h if stage == SECOND else h, state, environment, work)
     for j in range(JOINTS):
-        work[MEASURED_Q, j] = work[base + Q, j]
-        work[MEASURED_V, j] = work[base + V, j]
-    return base
+        work[MEASURED_Q, j] = work[state + Q, j]
+        work[MEASURED_V, j] = work[state + V, j]
+    return state
 
 
 @kernel
-def write_record(row, world, work, record):  # type: ignore[no-untyped-def]
+def write_record(row, environment, work, record):  # type: ignore[no-untyped-def]
     """Record the current state and what the law said of it, in the order of ``RECORD``."""
     for j in range(JOINTS):
         squares = 0.0
         for n in range(NODES):
             squares += work[CURRENT + W + n, j] ** 2
-        limit = world[LIMIT, j]
-        record[row, j] = work[CURRENT + Q, j]
-        record[row, JOINTS + j] = work[CURRENT + V, j]
-        record[row, 2 * JOINTS + j] = min(max(work[TAU, j], -limit), limit)
-        record[row, 3 * JOINTS + j] = work[S, j]
-        record[row, 4 * JOINTS + j] = work[NETWORK, j]
-        record[row, 5 * JOINTS + j] = squares**0.5
-        record[row, 6 * JOINTS + j] = work[QD, j]
-        record[row, 7 * JOINTS + j] = work[VD, j]
+        limit = environment[LIMIT, j]
+        record[row, R_Q + j] = work[CURRENT + Q, j]
+        record[row, R_V + j] = work[CURRENT + V, j]
+        record[row, R_TAU + j] = min(max(work[TAU, j], -limit), limit)
+        record[row, R_S + j] = work[S, j]
+        record[row, R_F + j] = work[NETWORK, j]
+        record[row, R_WEIGHTS + j] = squares**0.5
+        record[row, R_QD + j] = work[QD, j]
+        record[row, R_VD + j] = work[VD, j]
 
 
 @kernel
-def finish(row, wiring):  # type: ignore[no-untyped-def]
+def finish(row, table):  # type: ignore[no-untyped-def]
     """Record (but for SECOND) and integrate one stage.
 
     Args:
         row: row of the record to write; below 0 none.
-        wiring: the lane's wiring; its workspace holds the evaluation of the law, its step is
+        table: the lane's table; its workspace holds the evaluation of the law, its step is
             the whole step for every stage.
 
     Returns:
         0, 1 + the joint that left its bounds, or REFUSED or STUCK where the step has to be cut.
     """
-    stage, h, tolerance = settings(wiring)
-    inertia, bias, world, _, work, record = loop_arrays(wiring)
+    stage, h, tolerance = settings(table)
+    inertia, bias, environment, _, work, record = loop_arrays(table)
     if stage == SECOND:
-        left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, world, work)
+        left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
@@ -123,11 +131,11 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
             return REFUSED
         return accept(True, work)
     if row >= 0:
-        write_record(row, world, work, record)
+        write_record(row, environment, work, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
         return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
-    left = implicit_step(h, CURRENT, FULL, inertia, bias, world, work)
+    left = implicit_step(h, CURRENT, FULL, inertia, bias, environment, work)
     if row >= 0 and work[FLAGS, HELD] != 0.0:
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
@@ -136,10 +144,10 @@ def finish(row, wiring):  # type: ignore[no-untyped-def]
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
         return accept(False, work)
-    if changes_within_a_step(world):
+    if changes_within_a_step(environment):
         for j in range(JOINTS):
             work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]
-    left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, world, work)
+    left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
     return within_bounds(HALF, work)
@@ -150,29 +158,29 @@ def _record_held_torque(row, work, record):  # type: ignore[no-untyped-def]
     """Record the torque that holds a joint on S = 0: sign(S) alone does not tell it there."""
     for j in range(JOINTS):
         if work[SLIDING, j] != 0.0:
-            record[row, 2 * JOINTS + j] = work[HELD_TORQUE, j]
+            record[row, R_TAU + j] = work[HELD_TORQUE, j]
 
 
 @kernel
-def observe(t, sample, wiring):  # type: ignore[no-untyped-def]
+def observe(t, sample, table):  # type: ignore[no-untyped-def]
     """Evaluate the desired motion at ``t`` and measure the current state, with sensor noise."""
-    _, _, world, trajectory, work, _ = loop_arrays(wiring)
+    _, _, environment, trajectory, work, _ = loop_arrays(table)
     reference(t, trajectory, work)
-    measure(sample, world, work)
+    measure(sample, environment, work)
 
 
 @kernel
-def command(row, wiring):  # type: ignore[no-untyped-def]
+def command(row, table):  # type: ignore[no-untyped-def]
     """Record, limit the torque and let the network learn for one control period, the step.
 
     Returns:
         0, or 1 + the joint whose torque or weights are no longer finite.
     """
-    _, period, _ = settings(wiring)
-    _, _, world, _, work, record = loop_arrays(wiring)
-    write_record(row, world, work, record)
+    _, period, _ = settings(table)
+    _, _, environment, _, work, record = loop_arrays(table)
+    write_record(row, environment, work, record)
     for j in range(JOINTS):
-        limit = world[LIMIT, j]
+        limit = environment[LIMIT, j]
         work[TAU, j] = min(max(work[TAU, j], -limit), limit)
         if not abs(work[TAU, j]) < 1e12:
             return j + 1
@@ -183,19 +191,44 @@ def command(row, wiring):  # type: ignore[no-untyped-def]
     return within_bounds(CURRENT, work)
 
 
+@inlined
+def stage_under(control, t, row, table):  # type: ignore[no-untyped-def]
+    """One stage of continuous mode under a law; see ``Law.step``.
+
+    Args:
+        control: the law's kernel: ``(state, gains, nominal_M, nominal_nle, work)`` writes its
+            torque to TAU [N m]; ``state`` is the first row of the state whose weights count.
+        t: time in [s].
+        row: row of the record to write; below 0 none.
+        table: the lane's table.
+    """
+    gains, nominal_M, nominal_nle, work = law_arrays(table)
+    control(begin(t, table), gains, nominal_M, nominal_nle, work)
+    return finish(row, table)
+
+
+@inlined
+def period_under(control, t, number, row, table):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode under a law, but for the arm; see ``Law.sample``."""
+    gains, nominal_M, nominal_nle, work = law_arrays(table)
+    observe(t, number, table)
+    control(CURRENT, gains, nominal_M, nominal_nle, work)
+    return command(row, table)
+
+
 @kernel
-def plant_step(t, wiring):  # type: ignore[no-untyped-def]
+def plant_step(t, table):  # type: ignore[no-untyped-def]
     """One step of the arm alone under the torque APPLIED, implicit in friction.
 
     Args:
         t: time in [s].
-        wiring: the arm's wiring.
+        table: the arm's table.
 
     Returns:
         0, or 1 + the joint that left its bounds; the current state is then untouched.
     """
-    _, h, _ = settings(wiring)
-    inertia, bias, world, _, work, _ = loop_arrays(wiring)
-    external_torque(t, h, CURRENT, world, work)
-    unsolved(arm_step(h, inertia, bias, world, work), inf, work)
+    _, h, _ = settings(table)
+    inertia, bias, environment, _, work, _ = loop_arrays(table)
+    external_torque(t, h, CURRENT, environment, work)
+    unsolved(arm_step(h, inertia, bias, environment, work), inf, work)
     return accept(False, work)

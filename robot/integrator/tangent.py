@@ -8,14 +8,8 @@ from __future__ import annotations
 
 from math import inf, tanh
 
-from slidetune.robot.environment.disturbance import (
-    BITS,
-    COMMON,
-    COULOMB,
-    COULOMB_WIDTH,
-    KINKS,
-    LIMIT,
-)
+from slidetune.robot.environment.external_torque import COULOMB_WIDTH
+from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, KINKS, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import reaching_at, shaped_reaching
 from slidetune.robot.kernels.compiler import kernel
@@ -69,15 +63,15 @@ _TANGENTS = 3
 
 
 @kernel
-def fill(h, base, inertia, bias, work):  # type: ignore[no-untyped-def]
+def fill(h, state, inertia, bias, work):  # type: ignore[no-untyped-def]
     """Write the system of one step, every curve replaced by its tangent at the step's beginning.
 
     Args:
         h: step in [s].
-        base: first row of the state from which the step starts.
+        state: first row of the state from which the step starts.
         inertia: M(q). Shape (6, 6).
         bias: C v + G. Shape (6,).
-        work: workspace with the evaluation at ``base``; writes MATRIX, of which only SHAPE fills
+        work: workspace with the evaluation at ``state``; writes MATRIX, of which only SHAPE fills
             the lower half, DIAGONAL, RIGHT, S_FREE and S_FALL.
     """
     shaped = work[FLAGS, SHAPED] != 0.0
@@ -88,7 +82,7 @@ def fill(h, base, inertia, bias, work):  # type: ignore[no-untyped-def]
         diagonal = inertia[i, i] + h * work[F_SLOPE, i]
         s_v, s_e, slope = work[S_V, i], work[S_E, i], work[NETWORK_SLOPE, i]
         fall = h * (s_v + h * s_e)
-        ahead = h * (s_v * work[AD, i] + s_e * (work[VD, i] - work[base + V, i]))
+        ahead = h * (s_v * work[AD, i] + s_e * (work[VD, i] - work[state + V, i]))
         gain = h * slope if shaped else h * slope + work[GAIN, i]
         diagonal += gain * fall
         work[MATRIX + i, i] = work[DIAGONAL, i] = diagonal
@@ -111,7 +105,7 @@ def _shape(work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _reaching_missed(h, base, j, work):  # type: ignore[no-untyped-def]
+def _reaching_missed(h, state, j, work):  # type: ignore[no-untyped-def]
     """Return by how much the tangent of the reaching law is wrong at the end of the step.
 
     Returns:
@@ -121,37 +115,40 @@ def _reaching_missed(h, base, j, work):  # type: ignore[no-untyped-def]
     value, slope = reaching_at(work[S, j] + change, j, work)
     fall = work[S_FALL, j] * slope
     if work[FLAGS, SHAPED] != 0.0:
-        value, fall = shaped_reaching(value, fall, work[RIGHT, j], j, h, base, work)
+        value, fall = shaped_reaching(value, fall, work[RIGHT, j], j, h, state, work)
     missed = abs(value - work[REACH, j] - work[GAIN, j] * change)
     return missed, min(0.0, fall - work[GAIN, j] * work[S_FALL, j])
 
 
 @kernel
-def _friction_missed(h, base, j, world, work):  # type: ignore[no-untyped-def]
+def _friction_missed(h, state, j, environment, work):  # type: ignore[no-untyped-def]
     """Return the same of Coulomb friction."""
     part = h * abs(work[RIGHT, j]) / COULOMB_WIDTH
-    if part < 0.1 and h * BENT * world[COULOMB, j] * part * part <= TANGENT * work[DIAGONAL, j]:
+    if (
+        part < 0.1
+        and h * BENT * environment[COULOMB, j] * part * part <= TANGENT * work[DIAGONAL, j]
+    ):
         return 0.0, 0.0
-    before = tanh(work[base + V, j] / COULOMB_WIDTH)
-    after = tanh((work[base + V, j] + h * work[RIGHT, j]) / COULOMB_WIDTH)
-    slope = h * world[COULOMB, j] / COULOMB_WIDTH
-    missed = world[COULOMB, j] * (after - before)
+    before = tanh(work[state + V, j] / COULOMB_WIDTH)
+    after = tanh((work[state + V, j] + h * work[RIGHT, j]) / COULOMB_WIDTH)
+    slope = h * environment[COULOMB, j] / COULOMB_WIDTH
+    missed = environment[COULOMB, j] * (after - before)
     missed -= slope * (1.0 - before * before) * work[RIGHT, j]
     return abs(missed), min(0.0, slope * (before * before - after * after))
 
 
 @kernel
-def is_smooth(h, world, work):  # type: ignore[no-untyped-def]
+def is_smooth(h, environment, work):  # type: ignore[no-untyped-def]
     """Tell whether nothing bends that much, by a bound and without a look at any curve.
 
     It answers for nearly all steps, those deep within the layer of tanh.
 
     Args:
         h: step in [s].
-        world: what ``pack_world`` returned.
+        environment: what ``pack_environment`` returned.
         work: workspace with what ``fill`` wrote and the solution in RIGHT.
     """
-    if int(world[COMMON, BITS]) & KINKS:
+    if int(environment[COMMON, BITS]) & KINKS:
         return False
     if work[FLAGS, HOLD] != 0.0 or work[CURVE + CODES, IS_REACHING] == 0.0:
         return True
@@ -167,14 +164,14 @@ def is_smooth(h, world, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def tangents_hold(h, base, inertia, world, work):  # type: ignore[no-untyped-def]
+def tangents_hold(h, state, inertia, environment, work):  # type: ignore[no-untyped-def]
     """Tell whether the solution in RIGHT solves the true equation as well.
 
     Args:
         h: step in [s].
-        base: first row of the state from which the step starts.
+        state: first row of the state from which the step starts.
         inertia: M(q). Shape (6, 6).
-        world: what ``pack_world`` returned.
+        environment: what ``pack_environment`` returned.
         work: workspace with what ``fill`` wrote and the solution in RIGHT [rad/s^2].
     """
     shaped, held = work[FLAGS, SHAPED] != 0.0, work[FLAGS, HOLD] != 0.0
@@ -182,17 +179,17 @@ def tangents_hold(h, base, inertia, world, work):  # type: ignore[no-untyped-def
     for j in range(JOINTS):
         size, wrong = work[DIAGONAL, j], 0.0
         if bends:
-            missed, flatter = _reaching_missed(h, base, j, work)
+            missed, flatter = _reaching_missed(h, state, j, work)
             share = work[SHAPE + j, j] if shaped else 1.0
             wrong, size = wrong + share * missed, size + share * flatter
-        if world[COULOMB, j] != 0.0:
-            missed, flatter = _friction_missed(h, base, j, world, work)
+        if environment[COULOMB, j] != 0.0:
+            missed, flatter = _friction_missed(h, state, j, environment, work)
             wrong, size = wrong + missed, size + flatter
         if not h * wrong <= TANGENT * max(size, inertia[j, j]):
             return False
-        if held or world[LIMIT, j] == inf:
+        if held or environment[LIMIT, j] == inf:
             continue
-        if not abs(_final_torque(h, j, work)) <= world[LIMIT, j]:
+        if not abs(_final_torque(h, j, work)) <= environment[LIMIT, j]:
             return False
     return True
 
@@ -211,7 +208,7 @@ def _final_torque(h, j, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def follow_tanh(h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
+def follow_tanh(h, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Take new tangents at the end of the step, a few times; tell whether they hold in the end.
 
     It is Newton's method, for steps that bend within the layer of tanh and do not pass through it:
@@ -222,11 +219,11 @@ def follow_tanh(h, inertia, bias, world, work):  # type: ignore[no-untyped-def]
         h: step in [s].
         inertia: M(q). Shape (6, 6).
         bias: C v + G. Shape (6,).
-        world: what ``pack_world`` returned.
+        environment: what ``pack_environment`` returned.
         work: workspace with what ``fill`` wrote and the first solution in RIGHT [rad/s^2], which
             becomes the answer.
     """
-    if int(world[COMMON, BITS]) & KINKS or work[FLAGS, HOLD] != 0.0:
+    if int(environment[COMMON, BITS]) & KINKS or work[FLAGS, HOLD] != 0.0:
         return False
     if work[CURVE + CODES, IS_REACHING] == 0.0 or work[FLAGS, SHAPED] != 0.0:
         return False

@@ -28,7 +28,12 @@ KEPT = 6
 _HANDED_ON = "SLIDETUNE_KERNELS"
 """Environment variable by which a process tells those that it starts of its temporary folder."""
 _ROBOT = Path(__file__).parents[1]
-_CONSTANTS = ("fields/quantity.py", "kernels/workspace.py", "kernels/compiler.py")
+_CONSTANTS = (
+    "environment/layout.py",
+    "fields/quantity.py",
+    "kernels/compiler.py",
+    "kernels/workspace.py",
+)
 """Files without kernels whose numbers are compiled into them."""
 
 
@@ -109,6 +114,15 @@ def kernel(function: Function) -> Function:
     """
     compiled: Any = numba.njit(cache=True, error_model="numpy")(function)
     return cast(Function, compiled)
+
+
+def inlined(function: Function) -> Function:
+    """Write ``function`` out in every kernel that calls it, so that it can take a kernel as well.
+
+    A kernel that hands another one on as a value is not kept on disk.
+    """
+    written_out: Any = numba.njit(inline="always", error_model="numpy")(function)
+    return cast(Function, written_out)
 
 
 def is_warm() -> bool:

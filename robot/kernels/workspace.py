@@ -6,6 +6,8 @@ one column a joint. This module names their rows; nothing else knows where a num
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 from slidetune.robot.fields.quantity import JOINTS
 
 NODES = 10
@@ -25,7 +27,7 @@ HALF = 2 * STATE_ROWS  # after half a step
 QD = 3 * STATE_ROWS  # desired angle [rad]
 VD = QD + 1  # desired velocity [rad/s]
 AD = QD + 2  # desired acceleration [rad/s^2]
-F = QD + 3  # torque lost to the world: disturbance and friction [N m]
+F = QD + 3  # torque that a joint loses: disturbance and friction [N m]
 F_SLOPE = QD + 4  # dF/dv [N m s/rad]
 PUSH = QD + 5  # torque by which a person pushes the arm [N m], set from outside
 TAU = QD + 6  # controller torque [N m]
@@ -44,7 +46,7 @@ REACH = QD + 18  # reaching law, before SHAPE [N m, or rad/s^2 where SHAPE is an
 FLAGS = QD + 19  # columns SHAPED and HOLD below
 HIDDEN = QD + 20  # hidden outputs, NODES rows
 SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
-CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see robot.switching
+CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see laws/terms/switching.py
 CURVE_ROWS = 5
 TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
 TERMINAL_MU = TERMINAL_C + 1  # its mu
@@ -63,7 +65,7 @@ ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]
 S_FREE = RIGHT + 3  # S at the end of the step if a were 0 [rad/s]
 S_FALL = RIGHT + 4  # by how much S at the end falls per unit of a [s]
 GIVEN = RIGHT + 5  # torque of the controller without its reaching law [N m]
-LOST = RIGHT + 6  # torque lost to the world without Coulomb friction [N m]
+LOST = RIGHT + 6  # torque that a joint loses without Coulomb friction [N m]
 LOAD = RIGHT + 7  # torque that a joint's own curve is asked to balance [N m]
 YIELD = RIGHT + 8  # da/d(LOAD) of a joint alone: 0 where it is held on its surface
 RESIDUAL = RIGHT + 9  # what the equation of a joint leaves [N m]
@@ -97,3 +99,11 @@ OVER = 1  # column of ERRORS: the same of the parts of a row that could not be c
 # --- one recorded row of a lane: groups of six columns -----------------------------------------
 RECORD = ("q", "v", "tau", "S", "f", "weights", "q_d", "v_d")
 RECORD_COLUMNS = len(RECORD) * JOINTS
+R_Q, R_V, R_TAU, R_S, R_F, R_WEIGHTS, R_QD, R_VD = range(0, RECORD_COLUMNS, JOINTS)
+
+
+# --- the gains of a lane: blocks of rows, one below the other ------------------------------------
+def stacked(*rows: int) -> tuple[slice, ...]:
+    """Return where each block lies in an array of blocks with that many rows each."""
+    ends = list(accumulate(rows))
+    return tuple(slice(end - count, end) for end, count in zip(ends, rows, strict=True))

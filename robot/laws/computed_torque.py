@@ -7,13 +7,12 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
-from slidetune.robot.integrator.kernel_arrays import law_arrays
-from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import no_network
-from slidetune.robot.laws.terms.surface import linear_surface
+from slidetune.robot.laws.terms.surface import LINEAR_ROWS, linear_surface
 
 Array = np.ndarray
 
@@ -56,7 +55,7 @@ class ComputedTorque(Section):
 
 
 @kernel
-def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Computed torque with PD feedback, written to TAU [N m].
 
     .. math:: \tau = M(\ddot q_d + k_d \dot e + k_p e) + C\dot q + G
@@ -69,7 +68,7 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
     """
-    linear_surface(gains[:1], work)
+    linear_surface(gains[:LINEAR_ROWS], work)
     no_network(work)
     work[FLAGS, SHAPED], work[FLAGS, BENDS] = 1.0, 0.0
     for j in range(JOINTS):
@@ -84,21 +83,15 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
 
 
 @kernel
-def step(t, row, wiring):  # type: ignore[no-untyped-def]
+def step(t, row, table):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    begin(t, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return finish(row, wiring)
+    return stage_under(control, t, row, table)
 
 
 @kernel
-def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
+def sample(t, number, row, table):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    observe(t, number, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return command(row, wiring)
+    return period_under(control, t, number, row, table)
 
 
 LAW = Law(

@@ -30,10 +30,10 @@ class Law:
         title: name on the screen.
         summary: the law in one line, with its equation.
         lane: the gains, a ``Section`` with a ``pack()``.
-        step: compiled stage of continuous mode: ``(t, row, wiring) -> 0 or 1 + joint``, with a
-            wiring (``robot.wiring.wire``).
-        sample: compiled control period of sampled mode: ``(t, number, row, wiring) -> 0 or
-            1 + joint``; the step of its wiring is the control period.
+        step: compiled stage of continuous mode: ``(t, row, table) -> 0 or 1 + joint``, with a
+            table of the lane's arrays (``kernel_table``).
+        sample: compiled control period of sampled mode: ``(t, number, row, table) -> 0 or
+            1 + joint``; the step of its table is the control period.
         model_based: whether it needs the nominal arm.
         network: whether it has a network.
     """

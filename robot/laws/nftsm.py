@@ -7,11 +7,11 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, field
-from slidetune.robot.integrator.kernel_arrays import law_arrays
-from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     BENDS,
+    CURVE_ROWS,
     FLAGS,
     REACH,
     S_V,
@@ -21,14 +21,17 @@ from slidetune.robot.kernels.workspace import (
     TERMINAL_C,
     TERMINAL_MU,
     TERMINAL_RATIO,
+    stacked,
 )
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.network import no_network
-from slidetune.robot.laws.terms.surface import MU, RATIO, C, NftsmSurface, nftsm_surface
+from slidetune.robot.laws.terms.surface import MU, NFTSM_ROWS, RATIO, C, NftsmSurface, nftsm_surface
 from slidetune.robot.laws.terms.switching import ReachingGains, reach
 
 Array = np.ndarray
+
+SURFACE, REACHING, INERTIA_SHAPED = stacked(NFTSM_ROWS, CURVE_ROWS, 1)
 
 
 class Nftsm(NftsmSurface, ReachingGains):
@@ -51,7 +54,7 @@ class Nftsm(NftsmSurface, ReachingGains):
 
 
 @kernel
-def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Torque of NFTSM (Liu et al. 2025, Eq. 9, 13, 14, corrected), written to TAU [N m].
 
     .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
@@ -64,11 +67,11 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
     """
-    nftsm_surface(gains[:4], work)
-    reach(gains[4:9], work)
+    nftsm_surface(gains[SURFACE], work)
+    reach(gains[REACHING], work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
-    shaped = gains[9, 0] != 0.0
+    shaped = gains[INERTIA_SHAPED][0, 0] != 0.0
     work[FLAGS, SHAPED] = work[FLAGS, BENDS] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:
@@ -83,21 +86,15 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
 
 
 @kernel
-def step(t, row, wiring):  # type: ignore[no-untyped-def]
+def step(t, row, table):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    begin(t, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return finish(row, wiring)
+    return stage_under(control, t, row, table)
 
 
 @kernel
-def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
+def sample(t, number, row, table):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    observe(t, number, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return command(row, wiring)
+    return period_under(control, t, number, row, table)
 
 
 LAW = Law(

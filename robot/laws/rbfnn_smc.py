@@ -7,16 +7,25 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import law_arrays
-from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import CURRENT, FLAGS, NETWORK, REACH, SHAPED, TAU
+from slidetune.robot.kernels.workspace import (
+    CURVE_ROWS,
+    FLAGS,
+    NETWORK,
+    REACH,
+    SHAPED,
+    TAU,
+    stacked,
+)
 from slidetune.robot.laws.law import Law
-from slidetune.robot.laws.terms.network import NetworkGains, network
-from slidetune.robot.laws.terms.surface import LinearSurface, linear_surface
+from slidetune.robot.laws.terms.network import NETWORK_ROWS, NetworkGains, network
+from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import ReachingGains, reach
 
 Array = np.ndarray
+
+SURFACE, REACHING, NETWORK_GAINS = stacked(LINEAR_ROWS, CURVE_ROWS, NETWORK_ROWS)
 
 
 class RbfnnSmc(LinearSurface, ReachingGains, NetworkGains):
@@ -25,44 +34,39 @@ class RbfnnSmc(LinearSurface, ReachingGains, NetworkGains):
     law: Literal["rbfnn_smc"] = "rbfnn_smc"
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (11, 6)."""
+        """Return all gains as numbers. Shape (12, 6)."""
         return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_network()])
 
 
 @kernel
-def control(base, gains, work):  # type: ignore[no-untyped-def]
+def control(state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
     r"""Torque of RBFNN-SMC (Li and Xu 2023, as compared by Liu et al. 2025), written to TAU [N m].
 
     .. math:: \tau = f + k_1 S + k_2 \tanh(S/\epsilon)
 
     Args:
-        base: first row of the state whose weights count.
-        gains: numbers of ``RbfnnSmc.pack``. Shape (11, 6).
+        state: first row of the state whose weights count.
+        gains: numbers of ``RbfnnSmc.pack``. Shape (12, 6).
         work: workspace with the desired and the measured motion.
     """
-    linear_surface(gains[:1], work)
-    reach(gains[1:6], work)
-    network(gains[6:], base, work)
+    linear_surface(gains[SURFACE], work)
+    reach(gains[REACHING], work)
+    network(gains[NETWORK_GAINS], state, work)
     work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] = work[NETWORK, j] + work[REACH, j]
 
 
 @kernel
-def step(t, row, wiring):  # type: ignore[no-untyped-def]
+def step(t, row, table):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    gains, _, _, work = law_arrays(wiring)
-    control(begin(t, wiring), gains, work)
-    return finish(row, wiring)
+    return stage_under(control, t, row, table)
 
 
 @kernel
-def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
+def sample(t, number, row, table):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    gains, _, _, work = law_arrays(wiring)
-    observe(t, number, wiring)
-    control(CURRENT, gains, work)
-    return command(row, wiring)
+    return period_under(control, t, number, row, table)
 
 
 LAW = Law(

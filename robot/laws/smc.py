@@ -7,17 +7,18 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import law_arrays
-from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import FLAGS, REACH, SHAPED, TAU
+from slidetune.robot.kernels.workspace import CURVE_ROWS, FLAGS, REACH, SHAPED, TAU, stacked
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.network import no_network
-from slidetune.robot.laws.terms.surface import LinearSurface, linear_surface
+from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import ReachingGains, reach
 
 Array = np.ndarray
+
+SURFACE, REACHING = stacked(LINEAR_ROWS, CURVE_ROWS)
 
 
 class Smc(LinearSurface, ReachingGains):
@@ -31,7 +32,7 @@ class Smc(LinearSurface, ReachingGains):
 
 
 @kernel
-def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Torque of SMC: equivalent control and a reaching law, written to TAU [N m].
 
     .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
@@ -42,8 +43,8 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
     """
-    linear_surface(gains[:1], work)
-    reach(gains[1:], work)
+    linear_surface(gains[SURFACE], work)
+    reach(gains[REACHING], work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     work[FLAGS, SHAPED] = 0.0
@@ -52,21 +53,15 @@ def control(gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def
 
 
 @kernel
-def step(t, row, wiring):  # type: ignore[no-untyped-def]
+def step(t, row, table):  # type: ignore[no-untyped-def]
     """One stage of continuous mode; see ``Law.step``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    begin(t, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return finish(row, wiring)
+    return stage_under(control, t, row, table)
 
 
 @kernel
-def sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
+def sample(t, number, row, table):  # type: ignore[no-untyped-def]
     """One control period of sampled mode; see ``Law.sample``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(wiring)
-    observe(t, number, wiring)
-    control(gains, nominal_M, nominal_nle, work)
-    return command(row, wiring)
+    return period_under(control, t, number, row, table)
 
 
 LAW = Law(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.lenses import chattering, network_view, sliding_mode
@@ -34,10 +33,7 @@ def only_known_lane(experiment: Experiment, lane: str) -> Experiment:
     Raises:
         InvalidExperimentError: if there is no such lane; lists the known ones.
     """
-    if lane not in experiment.lanes:
-        known = ", ".join(experiment.lanes)
-        text = f"no lane is named {lane}; there are: {known}"
-        raise InvalidExperimentError([FieldError("lane", text, lane)])
+    experiment.lane(lane)
     return only_lane(experiment, lane)
 
 
@@ -80,8 +76,6 @@ def look_through(
     if calm is not None:
         quiet = simulate(calm, cancelled=cancelled, estimate=False).lanes[lane]
     packed, freeze = pack(alone), run.freeze
-    frozen = None
-    if freeze is not None:
-        frozen = {"time": freeze.time, "joint": freeze.joint, "cause": freeze.cause}
+    frozen = freeze.document() if freeze is not None else None
     seen = {name: document(LENSES[name](packed, lane, run, quiet)) for name in lenses}
     return {"horizon": alone.simulation.horizon, "frozen": frozen, **seen}

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.disturbance import SENSOR, external_torque
+from slidetune.robot.environment.external_torque import external_torque
+from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.kernels.workspace import (
     CURRENT,
     RECORD_COLUMNS,
@@ -37,20 +38,22 @@ class Probe:
     def __init__(self, packed: Packed, name: str) -> None:
         """Bind the law of the lane ``name``."""
         self._sample = LAWS[packed.experiment.lanes[name].law].sample
-        self._world = packed.world.copy()
-        self._world[SENSOR, :2] = 0.0
+        self._environment = packed.environment.copy()
+        self._environment[SENSOR, :2] = 0.0
         self._work = np.zeros((WORK_ROWS, JOINTS))
         self._arm = dynamics(packed.model, self._work[CURRENT + Q], self._work[CURRENT + V])
         hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * JOINTS)])
         gains, record = packed.gains[name], np.zeros((1, RECORD_COLUMNS))
         self._at_rest, self._on_the_way = (
-            wire(self._arm, self._arm, gains, self._world, trajectory, self._work, record)
+            kernel_table(
+                self._arm, self._arm, gains, self._environment, trajectory, self._work, record
+            )
             for trajectory in (hold, packed.trajectory)
         )
 
-    def _ask(self, t: float, wiring: Array) -> Array:
+    def _ask(self, t: float, table: Array) -> Array:
         self._arm.refill()
-        self._sample(t, 0, 0, wiring)
+        self._sample(t, 0, 0, table)
         return self._work
 
     def surface(self, e: Array, de: Array) -> tuple[Array, Array, Array]:
@@ -85,6 +88,6 @@ class Probe:
         self._work[CURRENT + Q], self._work[CURRENT + V] = q, v
         work = self._ask(t, self._on_the_way)
         equivalent_control(self._arm.inertia, self._arm.bias, work)
-        external_torque(t, 0.0, CURRENT, self._world, work)
+        external_torque(t, 0.0, CURRENT, self._environment, work)
         needed: Array = work[TAU] + work[F]
         return needed

@@ -15,6 +15,7 @@ from slidetune.robot.errors import (
     InvalidExperimentError,
     InvalidLessonError,
     UnknownLessonError,
+    unknown_lane,
 )
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.plain_yaml import LARGEST_TEXT, PlainDocument, read_plain_yaml
@@ -161,9 +162,8 @@ def _check_lanes(index: int, step: Step, experiment: Experiment) -> None:
     named = {f"steps.{index}.claims.{i}.lane": claim.lane for i, claim in enumerate(step.claims)}
     if step.lane:
         named[f"steps.{index}.lane"] = step.lane
-    known = ", ".join(experiment.lanes)
     wrong = [
-        FieldError(path, f"no lane {lane!r} in this step. Known: {known}", lane)
+        unknown_lane(path, lane, experiment.lanes)
         for path, lane in named.items()
         if lane not in experiment.lanes
     ]

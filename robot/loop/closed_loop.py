@@ -5,13 +5,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS
-from slidetune.robot.loop.lane import Lane
+from slidetune.robot.loop.lane import Lane, LaneState
 
 Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class LoopState:
+    """All that the next steps of a closed loop depend on besides the experiment.
+
+    Attributes:
+        time: time of the next step in [s].
+        number: how many steps have been made since the start; sensor noise follows it.
+        period: time between two steps in [s].
+        origin: the step from which time is counted, and its time in [s].
+        lanes: the lanes by name.
+    """
+
+    time: float
+    number: int
+    period: float
+    origin: tuple[int, float]
+    lanes: dict[str, LaneState]
 
 
 class ClosedLoop:
@@ -59,9 +80,24 @@ class ClosedLoop:
         """Let one lane begin anew where the trajectory is now; the others go on."""
         self.lanes[name].restart(self.packed, self.time)
 
-    def travel(self, time: float) -> None:
-        """Set the time of the next step to ``time`` [s]; the states are the caller's."""
-        self._since, self._from = time, self.number
+    def state(self) -> LoopState:
+        """Return a copy of all that the next steps depend on besides the experiment."""
+        lanes = {name: lane.state(self.number) for name, lane in self.lanes.items()}
+        return LoopState(self.time, self.number, self.period, (self._from, self._since), lanes)
+
+    def restore(self, state: LoopState) -> None:
+        """Go back to a state of this loop; the experiment stays as it is.
+
+        From there on every row is repeated to the last bit, unless the experiment is another one.
+        A lane that was not there then keeps the state that it has now.
+        """
+        for name, lane in self.lanes.items():
+            past = state.lanes.get(name) or lane.state(self.number)
+            lane.restore(past, self.packed, state.number)
+        self.number = state.number
+        # At another period the steps since the origin would add up to another time.
+        same = state.period == self.period
+        self._from, self._since = state.origin if same else (state.number, state.time)
 
     def adopt(self, packed: Packed, origins: dict[str, str] | None = None) -> dict[str, str]:
         """Take another experiment from the next step on; time and states go on.

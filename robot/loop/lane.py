@@ -14,11 +14,18 @@ from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import Cutting, Step
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from slidetune.robot.kernels.workspace import (
+    CHANGE_Q,
+    CHANGE_V,
+    KNOWN,
+    MEMORY_ROWS,
     PUSH,
     QD,
-    RECORD,
+    R_Q,
+    R_QD,
+    R_TAU,
     RECORD_COLUMNS,
     STATE_ROWS,
+    TALLY,
     TAU,
     VD,
     WORK_ROWS,
@@ -34,8 +41,9 @@ Array = np.ndarray
 
 log = logging.getLogger("slidetune.lane")
 
-DESIRED = RECORD.index("q_d") * JOINTS
-"""First column of a record that holds the desired motion."""
+NO_COMMANDS = np.empty((0, JOINTS))
+MEMORY = slice(CHANGE_Q, CHANGE_Q + MEMORY_ROWS)
+"""Rows of the workspace that a lane's next step depends on besides its state."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,32 @@ class Freeze:
         return asdict(self)
 
 
+@dataclass(frozen=True)
+class LaneState:
+    """All that the next steps of a lane depend on besides the experiment.
+
+    Attributes:
+        state: angles, velocities and weights. Shape (12, 6).
+        memory: what the step before left for the next one. Shape (3, 6).
+        torque: torque of the step before in [N m]. Shape (6,).
+        row: the last recorded row, which a lane that stands still repeats. Shape (48,).
+        commands: torques that wait for the input delay to pass in [N m], the oldest first.
+            Shape (n, 6).
+        buckets: how far the next steps may be cut; see ``Cutting.buckets``.
+        freeze: why it stands still, ``None`` while it runs.
+        began: when it began from its initial state in [s].
+    """
+
+    state: Array
+    memory: Array
+    torque: Array
+    row: Array
+    commands: Array
+    buckets: tuple[float, float, float]
+    freeze: Freeze | None
+    began: float
+
+
 _WHY = tuple(field.name for field in fields(Freeze))
 
 
@@ -69,12 +103,12 @@ class Lane:
 
     Attributes:
         name: its name in the experiment.
-        work: workspace of the kernels; ``robot.workspace`` names its rows.
-        record: what the steps wrote, in the order of ``robot.workspace.RECORD``. Shape (n, 48).
+        work: workspace of the kernels; ``robot.kernels.workspace`` names its rows.
+        record: what the steps wrote, in the order of ``RECORD``. Shape (n, 48).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
-        step: the bound step; see ``robot.cutting.Step``.
+        step: the bound step; see ``robot.integrator.cutting.Step``.
     """
 
     def __init__(
@@ -93,7 +127,7 @@ class Lane:
         self.cutting = cutting or Cutting()
         self.work = np.zeros((WORK_ROWS, JOINTS))
         self.freeze: Freeze | None = None
-        self.commands: Array | None = None
+        self.commands = NO_COMMANDS
         self.restart(packed)
 
     def restart(self, packed: Packed, time: float = 0.0) -> None:
@@ -110,8 +144,7 @@ class Lane:
         self.work[Q] = self.work[QD] - np.asarray(simulation.initial_error)
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
-        self.freeze = None
-        self.commands = None
+        self.freeze, self.commands = None, NO_COMMANDS
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
@@ -123,11 +156,40 @@ class Lane:
         self.step: Step = bind_step(law, packed, *arrays, self.cutting)
 
     def continue_from(self, other: Lane, packed: Packed) -> None:
-        """Take over another lane's state, torques on their way, past rows and freeze."""
+        """Take over another lane's state, torques on their way, past rows and freeze.
+
+        What it counted stays its own.
+        """
         self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
+        self.work[[CHANGE_Q, CHANGE_V]] = other.work[[CHANGE_Q, CHANGE_V]]
+        self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
+        self.cutting.buckets = other.cutting.buckets
         self.record[:] = other.record
         self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
+        self.adopt(packed)
+
+    def state(self, number: int) -> LaneState:
+        """Return a copy of all that step ``number``, the next one, and those after it depend on."""
+        return LaneState(
+            state=self.work[:STATE_ROWS].copy(),
+            memory=self.work[MEMORY].copy(),
+            torque=self.work[TAU].copy(),
+            row=self.record[(number - 1) % len(self.record)].copy(),
+            commands=np.roll(self.commands, -number, axis=0),
+            buckets=self.cutting.buckets,
+            freeze=self.freeze,
+            began=self.began,
+        )
+
+    def restore(self, past: LaneState, packed: Packed, number: int) -> None:
+        """Go back to where the lane was, with step ``number`` as the next one."""
+        self.work[:STATE_ROWS], self.work[MEMORY] = past.state, past.memory
+        self.work[TAU] = past.torque
+        self.record[(number - 1) % len(self.record)] = past.row
+        self.commands = np.roll(past.commands, number, axis=0)
+        self.cutting.buckets = past.buckets
+        self.freeze, self.began = past.freeze, past.began
         self.adopt(packed)
 
     def document(self) -> dict[str, Any]:
@@ -139,7 +201,7 @@ class Lane:
         """Record a frozen lane: its last finite row, and the desired motion that goes on."""
         reference(time, packed.trajectory, self.work)
         self.record[row] = self.record[row - 1]
-        self.record[row, DESIRED:] = self.work[QD : VD + 1].ravel()
+        self.record[row, R_QD:] = self.work[QD : VD + 1].ravel()
 
     def stop(self, packed: Packed, time: float, joint: int, row: int) -> None:
         """Freeze at the last finite state and say why.
@@ -187,11 +249,11 @@ class Lane:
         reference(time, packed.trajectory, work)
         known = self.record[row - 1].copy() if started else np.zeros(RECORD_COLUMNS)
         last = np.zeros((STATE_ROWS, JOINTS))
-        last[Q], last[V] = known[: 2 * JOINTS].reshape(2, JOINTS) if started else work[[QD, VD]]
+        last[Q], last[V] = known[R_Q:R_TAU].reshape(2, JOINTS) if started else work[[QD, VD]]
         _replace_broken(work[:STATE_ROWS], last)
         _replace_broken(work[TAU], np.zeros(JOINTS))
-        known[: 2 * JOINTS] = work[[Q, V]].ravel()
-        known[DESIRED:] = work[QD : VD + 1].ravel()
+        known[R_Q:R_TAU] = work[[Q, V]].ravel()
+        known[R_QD:] = work[QD : VD + 1].ravel()
         _replace_broken(self.record[row], known)
 
 

@@ -43,7 +43,7 @@ class Response:
         path: flange positions in [m]. Shape (m, 3).
         metrics: figures of the whole run, as plain JSON values.
         frozen: when, which joint and why it left its bounds, or ``None``.
-        accuracy: how good all of this is, as plain JSON values; see ``robot.accuracy.Accuracy``.
+        accuracy: how good all of this is, as plain JSON values; see ``Accuracy``.
     """
 
     time: Array

@@ -7,17 +7,18 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.disturbance import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
+from slidetune.robot.environment.layout import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import Cutting, Parts, Step
-from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, wire
+from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, kernel_table
 from slidetune.robot.integrator.stages import FIRST, PLAIN, SECOND, observe, plant_step
 from slidetune.robot.kernels.workspace import (
     APPLIED,
@@ -43,29 +44,29 @@ class Stage(NamedTuple):
         arm: what Pinocchio takes before the state: the arm and what it writes.
         q: joint angles of the stage in [rad], a view. Shape (6,).
         v: joint velocities of the stage in [rad/s], a view. Shape (6,).
-        believe: lets Pinocchio write the nominal arm anew, where there is another one.
-        wiring: what the kernel takes.
+        refill_nominal: lets Pinocchio write the nominal arm anew, where there is another one.
+        table: what the kernel takes.
     """
 
     arm: tuple[pin.Model, pin.Data]
     q: Array
     v: Array
-    believe: Callable[[], None] | None
-    wiring: Array
+    refill_nominal: Callable[[], None] | None
+    table: Array
 
 
 def _stage(
-    stage: int, base: int, law: Law, packed: Packed, gains: Array, work: Array, record: Array
+    stage: int, state: int, law: Law, packed: Packed, gains: Array, work: Array, record: Array
 ) -> Stage:
-    """Return a stage at the state whose first row is ``base``."""
-    q, v = work[base + Q], work[base + V]
-    truth = belief = dynamics(packed.model, q, v)
+    """Return a stage at the state whose first row is ``state``."""
+    q, v = work[state + Q], work[state + V]
+    truth = nominal = dynamics(packed.model, q, v)
     if law.model_based and packed.nominal is not None:
-        belief = dynamics(packed.nominal, q, v)
-    arrays = (truth, belief, gains, packed.world, packed.trajectory, work, record)
-    wiring = wire(*arrays, stage=stage, step=packed.experiment.simulation.step)
-    believe = None if belief is truth else belief.refill
-    return Stage((truth.model, truth.data), q, v, believe, wiring)
+        nominal = dynamics(packed.nominal, q, v)
+    arrays = (truth, nominal, gains, packed.environment, packed.trajectory, work, record)
+    table = kernel_table(*arrays, stage=stage, step=packed.experiment.simulation.step)
+    refill_nominal = None if nominal is truth else nominal.refill
+    return Stage((truth.model, truth.data), q, v, refill_nominal, table)
 
 
 def plain_step(
@@ -73,8 +74,10 @@ def plain_step(
 ) -> Step:
     """Return the plain implicit step of continuous mode."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    (arm, data), q, v, believe, wiring = _stage(PLAIN, CURRENT, law, packed, gains, work, record)
-    numbers = wiring.view(np.float64)
+    (arm, data), q, v, refill_nominal, table = _stage(
+        PLAIN, CURRENT, law, packed, gains, work, record
+    )
+    numbers = table.view(np.float64)
 
     def settle(h: float, tolerance: float) -> None:
         numbers[STEP], numbers[TOLERANCE] = h, tolerance
@@ -83,9 +86,9 @@ def plain_step(
         def step(t: float, number: int, row: int) -> int:
             crba(arm, data, q)
             bias(arm, data, q, v)
-            if believe is not None:
-                believe()
-            bad = kernel(t, row, wiring)
+            if refill_nominal is not None:
+                refill_nominal()
+            bad = kernel(t, row, table)
             return parts(t, row) if bad and parts else bad
 
         return step
@@ -99,9 +102,11 @@ def extrapolated_step(
 ) -> Step:
     """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
     kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    (arm, data), q, v, believe, first = _stage(FIRST, CURRENT, law, packed, gains, work, record)
+    (arm, data), q, v, refill_nominal, first = _stage(
+        FIRST, CURRENT, law, packed, gains, work, record
+    )
     later = _stage(SECOND, HALF, law, packed, gains, work, record)
-    (_, data2), q2, v2, believe2, second = later
+    (_, data2), q2, v2, refill_nominal2, second = later
     numbers, numbers2 = first.view(np.float64), second.view(np.float64)
     half = 0.0
 
@@ -115,14 +120,14 @@ def extrapolated_step(
         def step(t: float, number: int, row: int) -> int:
             crba(arm, data, q)
             bias(arm, data, q, v)
-            if believe is not None:
-                believe()
+            if refill_nominal is not None:
+                refill_nominal()
             bad = kernel(t, row, first)
             if not bad:
                 crba(arm, data2, q2)
                 bias(arm, data2, q2, v2)
-                if believe2 is not None:
-                    believe2()
+                if refill_nominal2 is not None:
+                    refill_nominal2()
                 bad = kernel(t + half, row, second)
             return parts(t, row) if bad and parts else bad
 
@@ -132,7 +137,7 @@ def extrapolated_step(
     return bound(Parts(settle, bound(None), h, cutting, work).make)
 
 
-def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Array:
+def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
     """Return the torques that wait for the input delay to pass; step ``n`` writes row ``n % size``.
 
     Args:
@@ -144,11 +149,11 @@ def torques_on_the_way(packed: Packed, work: Array, before: Array | None) -> Arr
     Returns:
         Torques in [N m], none in continuous mode. Shape (size, 6).
     """
-    simulation, limit = packed.experiment.simulation, packed.world[LIMIT]
+    simulation, limit = packed.experiment.simulation, packed.environment[LIMIT]
     if simulation.mode == "continuous":
         return np.empty((0, JOINTS))
     size = simulation.delay[0] + 2
-    if before is None or len(before) != size:
+    if len(before) != size:
         before = np.tile(work[TAU], (size, 1))
     bounded: Array = np.clip(before, -limit, limit)
     return bounded
@@ -159,38 +164,45 @@ def sampled_step(
 ) -> Step:
     """Return one control period of sampled mode: measure, hold the torque, step the arm.
 
-    A torque reaches the joints ``input_delay`` after its measurement, rounded to steps of the arm.
+    A torque reaches the joints ``input_delay`` after its measurement. Where that is within a step
+    of the arm, the step is made under the mean of both torques: their impulse is exact, and what
+    the angle lacks is of the step's own order.
     """
     simulation = packed.experiment.simulation
     period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
     h = period / substeps
     (whole, part), size = simulation.delay, len(commands)
+    split, arrived, share = int(part), ceil(part), ceil(part) - part
     sample = law.sample
     truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
     refill, applied, torque = truth.refill, work[APPLIED], work[TAU]
-    noisy = bool(packed.world[SENSOR, SENSOR_Q] or packed.world[SENSOR, SENSOR_V])
-    belief = None
+    noisy = bool(packed.environment[SENSOR, SENSOR_Q] or packed.environment[SENSOR, SENSOR_V])
+    nominal = None
     if law.model_based and (noisy or packed.nominal is not None):
-        belief = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
-    rest = (gains, packed.world, packed.trajectory, work, record)
-    controller = wire(truth, belief or truth, *rest, step=period)
-    arm = wire(truth, truth, *rest, step=h)
+        nominal = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
+    rest = (gains, packed.environment, packed.trajectory, work, record)
+    controller = kernel_table(truth, nominal or truth, *rest, step=period)
+    arm = kernel_table(truth, truth, *rest, step=h)
 
     def step(t: float, number: int, row: int) -> int:
         refill()
-        if belief is not None:
+        if nominal is not None:
             observe(t, number, controller)
-            belief.refill()
+            nominal.refill()
         bad: int = sample(t, number, row, controller)
         if bad:
             return bad
         commands[number % size] = torque
-        applied[:] = commands[(number - whole - (part > 0)) % size]
+        new = commands[(number - whole) % size]
+        applied[:] = commands[(number - whole - 1) % size]
         for substep in range(substeps):
             if substep:
                 refill()
-                if substep == part:
-                    applied[:] = commands[(number - whole) % size]
+            if substep <= arrived:
+                if substep == arrived:
+                    applied[:] = new
+                elif substep == split:
+                    applied[:] += share * (new - applied)
             bad = plant_step(t + substep * h, arm)
             if bad:
                 return bad

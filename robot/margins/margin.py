@@ -13,11 +13,11 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.disturbance import LIMIT, SENSOR
+from slidetune.robot.environment.layout import LIMIT, SENSOR
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.kernels.workspace import (
     FLAGS,
     GAIN,
@@ -64,15 +64,15 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     law = LAWS[packed.experiment.lanes[name].law]
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
-    believed = dynamics(packed.nominal or packed.model, work[Q], work[V])
-    believed.refill()
-    world = packed.world.copy()
+    nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
+    nominal.refill()
+    environment = packed.environment.copy()
     # What the law asks for, of the true state, before the joint gives what it can.
-    world[SENSOR, :2], world[LIMIT] = 0.0, np.inf
+    environment[SENSOR, :2], environment[LIMIT] = 0.0, np.inf
     record = np.zeros((1, RECORD_COLUMNS))
     gains = packed.gains[name]
-    wiring = wire(believed, believed, gains, world, trajectory, work, record)
-    law.sample(0.0, 0, 0, wiring)
+    table = kernel_table(nominal, nominal, gains, environment, trajectory, work, record)
+    law.sample(0.0, 0, 0, table)
     return work
 
 
@@ -113,7 +113,7 @@ def margin_limit(simulation: Simulation) -> float:
     :math:`2\sin(\pi/(4n+2))` with n of them.
 
     Args:
-        simulation: control rate, input delay, and the steps of the arm to which it is rounded.
+        simulation: control rate and input delay.
     """
     whole, part = simulation.delay
     late = part / simulation.plant_substeps

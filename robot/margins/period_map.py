@@ -11,20 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.disturbance import (
-    BITS,
-    COMMON,
-    COULOMB,
-    LIMIT,
-    LIMITS,
-    RUBS,
-    SENSOR,
-    external_torque,
-)
+from slidetune.robot.environment.external_torque import external_torque
+from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, LIMIT, LIMITS, RUBS, SENSOR
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.stages import plant_step
 from slidetune.robot.kernels.workspace import (
     AD,
@@ -75,13 +67,13 @@ class Timing:
     Attributes:
         step: step of the arm in [s].
         steps: steps of the arm in a period.
-        delay: steps of the arm from a measurement to its torque.
+        delay: steps of the arm, or parts, from a measurement to its torque.
         periods: control periods that this one stands for.
     """
 
     step: float
     steps: int
-    delay: int
+    delay: float
     periods: float = 1.0
 
     @property
@@ -175,10 +167,10 @@ def calm(packed: Packed) -> Packed:
     Torque limits, noise of the sensors and Coulomb friction, whose slope at rest would feign a
     damping that a moving joint does not have.
     """
-    world = packed.world.copy()
-    world[SENSOR, :2], world[LIMIT], world[COULOMB] = 0.0, np.inf, 0.0
-    world[COMMON, BITS] = int(world[COMMON, BITS]) & ~(LIMITS | RUBS)
-    return replace(packed, world=world)
+    environment = packed.environment.copy()
+    environment[SENSOR, :2], environment[LIMIT], environment[COULOMB] = 0.0, np.inf, 0.0
+    environment[COMMON, BITS] = int(environment[COMMON, BITS]) & ~(LIMITS | RUBS)
+    return replace(packed, environment=environment)
 
 
 class Around:
@@ -200,13 +192,13 @@ class Around:
         reference(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
         self._truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
-        believed = packed.nominal or packed.model
-        self._belief = dynamics(believed, work[CURRENT + Q], work[CURRENT + V])
+        nominal = packed.nominal or packed.model
+        self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
-        rest = (self._gains, packed.world, packed.trajectory, work)
+        rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
-        self._control = wire(self._truth, self._belief, *rest, record, step=cut.period)
-        self._arm = wire(self._truth, self._truth, *rest, record, step=cut.step)
+        self._control = kernel_table(self._truth, self._nominal, *rest, record, step=cut.period)
+        self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
@@ -226,7 +218,7 @@ class Around:
         work = self.work
         work[CURRENT + Q], work[CURRENT + V] = self.q, self.v
         self._truth.refill()
-        external_torque(self._time, self.timing.period, CURRENT, self._packed.world, work)
+        external_torque(self._time, self.timing.period, CURRENT, self._packed.environment, work)
         M = np.triu(self._truth.inertia.T)
         M = M + np.triu(M, 1).T
         needed: Array = M @ work[AD] + self._truth.bias + work[F]
@@ -238,7 +230,7 @@ class Around:
         work[CURVE : CURVE + CURVE_ROWS] = 0.0
         work[CURRENT + Q], work[CURRENT + V] = q, v
         work[CURRENT + W : CURRENT + W + NODES] = self._weights
-        self._belief.refill()
+        self._nominal.refill()
         self._law.sample(self._time, 0, 0, self._control)
 
     def steepest(self) -> Array:
@@ -315,7 +307,7 @@ class Around:
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
         return work[TAU].copy(), reached, moved[self.learning]
 
-    def _arm_map(self, part: int) -> tuple[Array, Array, Array]:
+    def _arm_map(self, part: float) -> tuple[Array, Array, Array]:
         """Return slopes of angle and velocity after one period over themselves and the torques.
 
         Every step is the one at the period's beginning: a pose that went on while time stands
@@ -323,14 +315,13 @@ class Around:
         """
         step, rest = self._arm_step(), np.eye(JOINTS, 3 * JOINTS, 2 * JOINTS)
         held = np.vstack([step, rest])
-        first = np.linalg.matrix_power(held, part)
-        second = np.linalg.matrix_power(held, self.timing.steps - part)
-        state, both = second[: 2 * JOINTS, : 2 * JOINTS], slice(0, 2 * JOINTS)
-        return (
-            state @ first[both, both],
-            state @ first[both, 2 * JOINTS :],
-            second[both, 2 * JOINTS :],
+        both, steps, split = slice(0, 2 * JOINTS), self.timing.steps, int(part)
+        whole, later, latest = (
+            np.linalg.matrix_power(held, n)[both] for n in (steps, steps - split, steps - split - 1)
         )
+        # The step within which the new torque arrives is made under the mean of both.
+        late = (later + part % 1.0 * (latest - later))[:, 2 * JOINTS :]
+        return whole[:, both], whole[:, 2 * JOINTS :] - late, late
 
     def _arm_step(self) -> Array:
         """Return slopes of angle and velocity after one step over themselves and the torque."""
@@ -367,4 +358,4 @@ class Around:
         plant, early[both], late[both] = self._arm_map(part)
         own[both, both] += plant
         switching = reach - proportional
-        return PeriodMap(own, late, early, rest, proportional, switching, whole, self.timing)
+        return PeriodMap(own, late, early, rest, proportional, switching, int(whole), self.timing)

@@ -15,6 +15,13 @@ from slidetune.robot.kernels.workspace import AD, QD, VD
 Array = np.ndarray
 
 SINE, QUINTIC, TABLE = 0.0, 1.0, 2.0
+# Where the numbers of a packed trajectory stand: its kind, then those of that kind.
+KIND = 0
+AMPLITUDE, OMEGA, PHASE, OFFSET = range(1, 1 + 4 * JOINTS, JOINTS)
+DURATION, START, END = 1, 2, 2 + JOINTS
+PERIOD, COUNT, SAMPLES = 1, 2, 3
+# One sample of a table: q_d, v_d and a_d.
+SAMPLE_Q, SAMPLE_V, SAMPLE_A, SAMPLE_SIZE = range(0, 4 * JOINTS, JOINTS)
 
 _DEGREE = np.pi / 180.0
 
@@ -181,7 +188,7 @@ def pack_trajectory(trajectory: Trajectory, turn: Array | None = None) -> Array:
 
     Args:
         trajectory: the trajectory.
-        turn: for a circle, q_d, v_d and a_d along one turn (``robot.circle.follow_circle``).
+        turn: for a circle, q_d, v_d and a_d along one turn (``follow_circle``).
             Shape (n + 1, 3, 6).
 
     Returns:
@@ -206,24 +213,24 @@ def _sine(t, numbers, work):  # type: ignore[no-untyped-def]
     sine, cosine = 0.0, 1.0
     last = 0.0
     for j in range(JOINTS):
-        amplitude, omega = numbers[1 + j], numbers[1 + JOINTS + j]
-        angle = omega * t + numbers[1 + 2 * JOINTS + j]
+        amplitude, omega = numbers[AMPLITUDE + j], numbers[OMEGA + j]
+        angle = omega * t + numbers[PHASE + j]
         if angle != last:  # joints that swing together share it, as in the paper
             sine, cosine, last = sin(angle), cos(angle), angle
-        work[QD, j] = numbers[1 + 3 * JOINTS + j] + amplitude * sine
+        work[QD, j] = numbers[OFFSET + j] + amplitude * sine
         work[VD, j] = amplitude * omega * cosine
         work[AD, j] = -omega * omega * amplitude * sine
 
 
 @kernel
 def _quintic(t, numbers, work):  # type: ignore[no-untyped-def]
-    duration = numbers[1]
+    duration = numbers[DURATION]
     u = min(max(t / duration, 0.0), 1.0)
     blend = u * u * u * (10.0 + u * (6.0 * u - 15.0))
     rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration
     bend = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration)
     for j in range(JOINTS):
-        start, span = numbers[2 + j], numbers[2 + JOINTS + j] - numbers[2 + j]
+        start, span = numbers[START + j], numbers[END + j] - numbers[START + j]
         work[QD, j] = start + span * blend
         work[VD, j] = span * rate
         work[AD, j] = span * bend
@@ -232,16 +239,17 @@ def _quintic(t, numbers, work):  # type: ignore[no-untyped-def]
 @kernel
 def _interpolate(t, numbers, work):  # type: ignore[no-untyped-def]
     """Quintic Hermite interpolation, so that q_d, v_d and a_d belong together."""
-    period, count = numbers[1], int(numbers[2])
+    period, count = numbers[PERIOD], int(numbers[COUNT])
     turns = t / period
     place = (turns - np.floor(turns)) * count
     index = min(int(place), count - 1)
     u, h = place - index, period / count
-    first = 3 + index * 3 * JOINTS
-    second = first + 3 * JOINTS
+    first = SAMPLES + index * SAMPLE_SIZE
+    second = first + SAMPLE_SIZE
     for j in range(JOINTS):
-        q0, v0, a0 = numbers[first + j], numbers[first + 6 + j], numbers[first + 12 + j]
-        q1, v1, a1 = numbers[second + j], numbers[second + 6 + j], numbers[second + 12 + j]
+        q0, q1 = numbers[first + SAMPLE_Q + j], numbers[second + SAMPLE_Q + j]
+        v0, v1 = numbers[first + SAMPLE_V + j], numbers[second + SAMPLE_V + j]
+        a0, a1 = numbers[first + SAMPLE_A + j], numbers[second + SAMPLE_A + j]
         rise = q1 - q0 - h * v0 - 0.5 * h * h * a0
         slope = h * (v1 - v0) - h * h * a0
         curve = h * h * (a1 - a0)
@@ -264,7 +272,7 @@ def reference(t, numbers, work):  # type: ignore[no-untyped-def]
         numbers: what ``pack_trajectory`` returned. Shape (m,).
         work: workspace.
     """
-    kind = numbers[0]
+    kind = numbers[KIND]
     if kind == SINE:
         _sine(t, numbers, work)
     elif kind == QUINTIC:

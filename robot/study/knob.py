@@ -86,11 +86,7 @@ def knobs(experiment: Experiment, lane: str) -> list[Knob]:
     Raises:
         InvalidExperimentError: if there is no such lane.
     """
-    if lane not in experiment.lanes:
-        known = ", ".join(experiment.lanes)
-        text = f"no lane is named {lane}; there are: {known}"
-        raise InvalidExperimentError([FieldError("lane", text, lane)])
-    gains = experiment.lanes[lane]
+    gains: Any = experiment.lane(lane)
     found = []
     for name, info in type(gains).model_fields.items():
         extra = info.json_schema_extra

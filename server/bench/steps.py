@@ -19,7 +19,7 @@ import pinocchio as pin
 from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.stages import FIRST
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, Q, V
 from slidetune.robot.laws import LAWS
@@ -144,7 +144,7 @@ def _dynamics(packed: Packed, loops: int) -> tuple[Callable[[], float], Callable
     return once, twice
 
 
-def _empty(t, row, wiring):  # type: ignore[no-untyped-def]
+def _empty(t, row, table):  # type: ignore[no-untyped-def]
     return 0
 
 
@@ -155,11 +155,11 @@ def _kernels(packed: Packed, loops: int) -> tuple[Callable[[], float], Callable[
         lane.step(row * WARM_STEP, row, row)
     arm = dynamics(packed.model, lane.work[Q], lane.work[V])
     arm.refill()
-    rest = (packed.gains["A"], packed.world, packed.trajectory, lane.work, lane.record)
-    wiring, t = wire(arm, arm, *rest, stage=FIRST, step=WARM_STEP), WARM * WARM_STEP
+    rest = (packed.gains["A"], packed.environment, packed.trajectory, lane.work, lane.record)
+    table, t = kernel_table(arm, arm, *rest, stage=FIRST, step=WARM_STEP), WARM * WARM_STEP
     kernel, empty = LAWS[LAW].step, numba.njit(_empty)
     # The first stage leaves the state as it is, so that all calls do the same.
-    first, nothing = lambda: kernel(t, 0, wiring), lambda: empty(0.0, 0, wiring)
+    first, nothing = lambda: kernel(t, 0, table), lambda: empty(0.0, 0, table)
     return lambda: _timed(nothing, loops), lambda: _timed(first, loops)
 
 

@@ -93,6 +93,7 @@ def _figure(name: str) -> Any:
 class Figures(BaseModel):
     """How good a lane was over a span of time; what comes after a freeze is in none.
 
+    Means are over time: after a change of step or control rate, each row counts by its own period.
     How each is called and written stands in ``x-figures`` of ``GET /api/schema``.
     """
 
@@ -115,7 +116,7 @@ class SamplingMargin(BaseModel):
     gamma_limit: float | None = _figure("gamma_limit")
 
 
-class Remark(BaseModel):
+class Advice(BaseModel):
     """A remark on a lane's numbers."""
 
     level: Literal["info", "warning"] = Field(description="Warning: expect trouble.")
@@ -131,11 +132,11 @@ class LaneMetrics(BaseModel):
     since: Since
     total: Figures | None = Field(description="Since then; null before the first row.")
     recent: Figures | None = Field(
-        description="Over the last 10 s of simulated time, whatever changed."
+        description="Over the last 10 s of simulated time, up to 0.1 s more, whatever changed."
     )
     gamma: float | None = Field(description="As in `margin`; null where nothing is sampled.")
     margin: SamplingMargin | None = Field(description="Null where nothing is sampled.")
-    notes: list[Remark] = Field(description="What is surprising or bodes trouble.")
+    notes: list[Advice] = Field(description="What is surprising or bodes trouble.")
 
 
 class MetricsMessage(BaseModel):

@@ -1,6 +1,6 @@
 """Says in our words what is wrong with a request or a message, where pydantic says it in its own.
 
-What is wrong with an experiment is the business of ``robot.refusal``; this is about all else.
+What is wrong with an experiment is told by ``robot.fields.refusal``; this is about all else.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from slidetune.robot.fields.field_path import field_path
+from slidetune.robot.fields.pydantic_words import TEXTS, words
 from slidetune.robot.fields.written_value import plain_value, written
 
 MOST_FIELDS = 20
@@ -24,13 +25,6 @@ _TEXTS = {
     "greater_than_equal": "must be at least {ge}",
     "less_than": "must be less than {lt}",
     "less_than_equal": "must be at most {le}",
-    "finite_number": "needs a finite number",
-    "literal_error": "needs one of {expected}",
-    "string_too_long": "takes at most {max_length} characters",
-    "string_too_short": "takes at least {min_length} characters",
-    "string_unicode": "needs a text without halves of characters",
-    "too_short": "needs at least {min_length}",
-    "too_long": "takes at most {max_length}",
     "union_tag_invalid": "needs one of {expected_tags}",
 }
 _WANTED = {
@@ -94,15 +88,13 @@ def _field(details: list[ErrorDetails], path: str) -> dict[str, object]:
 
 
 def _text(detail: ErrorDetails) -> str:
-    kind, context = detail["type"], detail.get("ctx", {})
+    kind = detail["type"]
     if kind == "json_invalid":
         return f"isn't JSON: something is wrong or missing at character {detail['loc'][-1]}"
     if kind == "union_tag_not_found":
         return "needs to be there: it says which message this is"
-    if kind in _TEXTS:
-        return _TEXTS[kind].format(**context)
-    if kind == "value_error":
-        return detail["msg"].removeprefix("Value error, ")
+    if kind in TEXTS or kind in _TEXTS or kind == "value_error":
+        return words(detail, _TEXTS)
     return _needed([detail])
 
 

@@ -17,7 +17,7 @@ Five checks, in this order, on every HTTP request and every WebSocket:
    `Authorization: Bearer`. There are two: the owner's and the viewers'.
 5. *Role.* A viewer reads: `GET`, `HEAD`, `OPTIONS`. Whatever else there is changes something or
    takes the processor, and is refused here for all routes at once. What a viewer may send over a
-   WebSocket is the business of ``server.routes.live`` and ``server.scene_relay``, which find the
+   WebSocket is the business of ``server.routes.live`` and ``server.scene.relay``, which find the
    role in the scope.
 """
 

@@ -66,7 +66,7 @@ class AccessPolicy:
         return [f"http://{_bracketed(host)}:{self.port}/{query}" for host in hosts]
 
     def allows_host(self, host: str, scheme: str) -> bool:
-        """Say whether a Host header may name this server (rule 1 of ``server.access``)."""
+        """Say whether a Host header may name this server (rule 1 of ``server.guard.access``)."""
         if self.token is not None or not is_loopback(self.host):
             return _HOST.fullmatch(host) is not None
         names = ("localhost", "127.0.0.1", "[::1]", _bracketed(self.host).lower())

@@ -6,31 +6,31 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
-class Seats:
-    """So many at once and no more. For one thread or one event loop."""
+class ConcurrencyLimit:
+    """So many at once and no more, for one thread or one event loop."""
 
     def __init__(self, most: int, refusal: Callable[[], Exception]) -> None:
-        """Begin with all of them free.
+        """Begin with none under way.
 
         Args:
-            most: how many there are.
-            refusal: makes the error to raise where none is free.
+            most: how many may be under way at once.
+            refusal: makes the error to raise for one more.
         """
         self._most = most
         self._refusal = refusal
-        self.taken = 0
+        self.under_way = 0
 
     @contextmanager
     def one(self) -> Iterator[None]:
-        """Hold a seat for the time of a block.
+        """Count one for the time of a block.
 
         Raises:
-            Exception: the refusal, if none is free.
+            Exception: the refusal, if as many are under way as may be.
         """
-        if self.taken >= self._most:
+        if self.under_way >= self._most:
             raise self._refusal()
-        self.taken += 1
+        self.under_way += 1
         try:
             yield
         finally:
-            self.taken -= 1
+            self.under_way -= 1

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from time import monotonic
 
 
-class Allowance:
+class TokenBucket:
     """So many at once, refilled at a steady rate (a token bucket). For one thread."""
 
     def __init__(self, rate: float, burst: float, clock: Callable[[], float] = monotonic) -> None:

@@ -11,7 +11,7 @@ from websockets.http11 import Request
 
 from slidetune.server.guard.limits import CLIENT_BURST, CLIENT_RATE
 from slidetune.server.guard.security_headers import RAW_HEADERS
-from slidetune.server.guard.token_bucket import Allowance
+from slidetune.server.guard.token_bucket import TokenBucket
 
 BITE = 4096
 """Bytes of one connection that are parsed before others have their turn (*ours*): some 700 frames
@@ -37,7 +37,7 @@ class RawWebSocket(WebSocketsSansIOProtocol):
         self._unread = bytearray()
         self._is_due = False
         self._has_hung_up = False
-        self._allowance = Allowance(CLIENT_RATE, CLIENT_BURST)
+        self._bucket = TokenBucket(CLIENT_RATE, CLIENT_BURST)
 
     def data_received(self, data: bytes) -> None:
         """Parse the first bite now, unless earlier ones wait, and the others later."""
@@ -102,7 +102,7 @@ class RawWebSocket(WebSocketsSansIOProtocol):
 
     def _may_pass(self) -> bool:
         """Count a frame that brings no whole message; hang up where it is one too many."""
-        if not self._has_hung_up and not self._allowance.take():
+        if not self._has_hung_up and not self._bucket.take():
             self._hang_up(f"more than {CLIENT_RATE:g} pings or pieces of messages a second")
         return not self._has_hung_up
 

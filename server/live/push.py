@@ -27,12 +27,18 @@ class Push:
     def clear(self) -> None:
         """Let go."""
         self._torque = np.zeros(JOINTS)
-        self._until = -1.0
+        self._begin = self._until = -1.0
         self._active = True
 
-    def kick(self, torque: Array, until: float) -> None:
-        """Push with ``torque`` [N m] until simulated time ``until`` [s]."""
-        self._torque, self._until, self._active = torque, until, True
+    def kick(self, torque: Array, begin: float, duration: float) -> None:
+        """Push with ``torque`` [N m] from simulated time ``begin`` [s] on for ``duration`` [s]."""
+        self._torque, self._active = torque, True
+        self._begin, self._until = begin, begin + duration
+
+    def go_back(self, time: float) -> None:
+        """Forget a kick that comes after ``time`` [s]; one that was under way then goes on."""
+        if time <= self._begin:
+            self.clear()
 
     def apply(self, loop: ClosedLoop, pull: Pull | None) -> None:
         r"""Set the push of every lane for its next steps: the kick plus :math:`J^T f`.

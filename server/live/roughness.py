@@ -36,9 +36,11 @@ class Roughness:
             name: float(lane.work[TALLY, CAPPED] + lane.work[TALLY, UNSOLVED])
             for name, lane in loop.lanes.items()
         }
+        # Below 0 the session went back in time: what was counted belongs to no rows that are left.
         self._share = {
-            name: (count - self._counted.get(name, 0.0)) / max(rows, 1)
+            name: (count - self._counted.get(name, 0.0)) / rows
             for name, count in counted.items()
+            if rows > 0
         }
         self._counted, self._since = counted, loop.number
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,12 @@ from slidetune.server.live.telemetry import Channel
 
 Array = np.ndarray
 
-RECENT = 10
-"""Length of the recent window in whole seconds of simulated time (*ours*)."""
+RECENT = 10.0
+"""Length of the recent window in [s] of simulated time (*ours*)."""
+SPAN = 0.1
+"""By so much at most the recent window is longer in [s]: it is kept in spans (*ours*)."""
+_ROUNDING = 1e-9
+"""What rounding may do to a time in parts of a period or a span."""
 
 
 def _six() -> Array:
@@ -25,54 +30,62 @@ def _six() -> Array:
 class Sums:
     """What a span of rows adds up to; spans that follow each other can be joined.
 
+    A row stands for the time until the next one, so that each counts by its own period: rows of
+    another step or control rate may follow.
+
     Attributes:
-        rows: how many.
-        lead: time from the row before the span to its first in [s].
-        jump: way of all joints' torque from there in [N m]: only a longer span has it inside.
-        duration: time from the first row to the last in [s].
+        time: what the rows stand for in [s].
+        last: what the last of them stands for in [s]; the rest is between the first and the last.
+        jump: way of all joints' torque from the row before in [N m]: only a longer span has it
+            inside.
+        error: absolute error by time in [rad s]. Shape (6,).
+        max_error: greatest absolute error in [rad]. Shape (6,).
+        max_velocity_error: greatest absolute velocity error in [rad/s]. Shape (6,).
         variation: way of all joints' torque from the first row to the last in [N m].
+        peak_torque: greatest absolute torque in [N m]. Shape (6,).
+        squared_distance: squared distance of the flange by time in [m^2 s].
+        max_distance: greatest distance of the flange in [m].
     """
 
-    rows: int = 0
-    lead: float = 0.0
+    time: float = 0.0
+    last: float = 0.0
     jump: float = 0.0
-    duration: float = 0.0
     error: Array = field(default_factory=_six)
     max_error: Array = field(default_factory=_six)
     max_velocity_error: Array = field(default_factory=_six)
     variation: float = 0.0
     peak_torque: Array = field(default_factory=_six)
-    distance: float = 0.0
+    squared_distance: float = 0.0
     max_distance: float = 0.0
 
     def join(self, other: Sums) -> None:
         """Take in the span that follows."""
-        if self.rows == 0:
-            self.lead, self.jump = other.lead, other.jump
-        else:
-            self.duration += other.lead
+        if self.time:
             self.variation += other.jump
-        self.rows += other.rows
-        self.duration += other.duration
+        else:
+            self.jump = other.jump
+        self.time += other.time
+        self.last = other.last
         self.error += other.error
         self.max_error = np.maximum(self.max_error, other.max_error)
         self.max_velocity_error = np.maximum(self.max_velocity_error, other.max_velocity_error)
         self.variation += other.variation
         self.peak_torque = np.maximum(self.peak_torque, other.peak_torque)
-        self.distance += other.distance
+        self.squared_distance += other.squared_distance
         self.max_distance = max(self.max_distance, other.max_distance)
 
     def document(self) -> dict[str, Any] | None:
         """Return the figures as plain JSON values, ``None`` before the first row."""
-        if self.rows == 0:
+        if not self.time:
             return None
+        between = self.time - self.last
         return {
-            "mae": (self.error / self.rows).tolist(),
+            "mae": (self.error / self.time).tolist(),
             "max_error": self.max_error.tolist(),
             "max_velocity_error": self.max_velocity_error.tolist(),
-            "chattering": self.variation / self.duration if self.rows > 1 else 0.0,
+            "chattering": self.variation / between if between > 0.0 else 0.0,
             "peak_torque": self.peak_torque.tolist(),
-            "flange_rms": float(np.sqrt(self.distance / self.rows)),
+            "flange_rms": float(np.sqrt(self.squared_distance / self.time)),
             "flange_max": self.max_distance,
         }
 
@@ -83,7 +96,7 @@ class RunningMetrics:
     Attributes:
         total: what has added up since ``time``.
         time: since when that counts in [s].
-        reason: why it counts since then; see ``server.contract.Since``.
+        reason: why it counts since then; see ``server.contract.live_messages.Since``.
     """
 
     def __init__(
@@ -109,7 +122,7 @@ class RunningMetrics:
     def restart(self, time: float, reason: str) -> None:
         """Forget everything, as after a reset; the arguments are those of ``restart_total``."""
         self.restart_total(time, reason)
-        self._seconds: deque[tuple[int, Sums]] = deque()
+        self._spans: deque[tuple[int, Sums]] = deque()
         self._torque: Array | None = None
 
     def restart_total(self, time: float, reason: str) -> None:
@@ -129,15 +142,22 @@ class RunningMetrics:
             time: time of the first in [s].
             period: time between rows in [s].
         """
-        sums = self._sums(rows, period)
+        begin = 0
+        while begin < len(rows):
+            span = int((time + begin * period) / SPAN + _ROUNDING)
+            end = max(begin + 1, ceil(((span + 1) * SPAN - time) / period - _ROUNDING))
+            self._join(span, self._sums(rows[begin:end], period))
+            begin = end
+        past = time + len(rows) * period - RECENT
+        while (self._spans[0][0] + 1 - _ROUNDING) * SPAN <= past:
+            self._spans.popleft()
+
+    def _join(self, span: int, sums: Sums) -> None:
         self.total.join(sums)
-        second = int(time)
-        if self._seconds and self._seconds[-1][0] == second:
-            self._seconds[-1][1].join(sums)
+        if self._spans and self._spans[-1][0] == span:
+            self._spans[-1][1].join(sums)
         else:
-            self._seconds.append((second, sums))
-            while self._seconds[0][0] <= second - RECENT:
-                self._seconds.popleft()
+            self._spans.append((span, sums))
 
     def _sums(self, rows: Array, period: float) -> Sums:
         error, torque = np.abs(rows[:, self._columns["e"]]), rows[:, self._columns["tau"]]
@@ -146,23 +166,22 @@ class RunningMetrics:
         jump = 0.0 if self._torque is None else float(np.abs(torque[0] - self._torque).sum())
         self._torque = torque[-1].copy()
         return Sums(
-            rows=len(rows),
-            lead=period,
+            time=len(rows) * period,
+            last=period,
             jump=jump,
-            duration=(len(rows) - 1) * period,
-            error=error.sum(axis=0),
+            error=error.sum(axis=0) * period,
             max_error=error.max(axis=0),
             max_velocity_error=np.abs(rows[:, self._columns["de"]]).max(axis=0),
             variation=float(np.abs(np.diff(torque, axis=0)).sum()),
             peak_torque=np.abs(torque).max(axis=0),
-            distance=float(squares.sum()),
+            squared_distance=float(squares.sum()) * period,
             max_distance=float(np.sqrt(squares.max())),
         )
 
     def document(self) -> dict[str, Any]:
         """Return ``total``, since when it counts, and ``recent`` as plain JSON values."""
         recent = Sums()
-        for _, sums in tuple(self._seconds):
+        for _, sums in tuple(self._spans):
             recent.join(sums)
         return {
             "since": {"time": self.time, "reason": self.reason},

@@ -40,7 +40,7 @@ Array = np.ndarray
 
 
 class View(Protocol):
-    """What the session feeds; see ``server.stage_view``."""
+    """What the session feeds; see ``server.scene.feed``."""
 
     def pull(self) -> Pull | None:
         """Return how somebody pulls at the arm, or ``None``."""
@@ -202,7 +202,7 @@ class Session:
             SessionBusyError: if as many commands wait as may.
         """
         self.refuse_if_busy()
-        self.ask(lambda: self._push.kick(np.array(torque), self.loop.time + duration))
+        self.ask(lambda: self._push.kick(np.array(torque), self.loop.time, duration))
 
     def fork(self, packed: Packed, revision: int, moment: float, origins: dict[str, str]) -> None:
         """Go back to a recorded moment and continue from there with other lanes.
@@ -216,6 +216,7 @@ class Session:
 
         def branch() -> None:
             self.recorder.restore(self.loop, moment)
+            self._push.go_back(self.loop.time)
             self._swap(packed, revision, origins)
             self.figures.restart(self.loop.time, "branch")
             if self.view is not None:

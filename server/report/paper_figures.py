@@ -93,7 +93,7 @@ def paper_page(runs: Mapping[str, Run]) -> str:
     """Return one HTML file with the tables, the remarks and all figures; it needs no network.
 
     Args:
-        runs: the runs of all ``server.paper_table.PRESETS``, by name.
+        runs: the runs of all ``server.report.paper_table.PRESETS``, by name.
     """
     table = [
         (row.law, row.source, *(cell.text() for cell in row.cells)) for row in comparison(runs)

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.figures import FIGURES, Figure, figures_of
@@ -51,7 +51,7 @@ def report(run: Run, since: float = 0.0) -> Document:
             "accuracy": lane.accuracy.document(),
             "frozen": None if lane.freeze is None else asdict(lane.freeze),
             **_margin(packed, name),
-            "notes": [asdict(note) for note in notes(packed, name)],
+            "notes": [asdict(one) for one in advice_on(packed, name)],
         }
         for name, lane in run.lanes.items()
     }

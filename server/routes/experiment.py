@@ -15,7 +15,7 @@ from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import OR_YAML, YAML
 from slidetune.server.contract.schema import SchemaAnswer
 from slidetune.server.guard.plain_json import NotJsonError, read_json
-from slidetune.server.state.app_state import Studio, law_infos
+from slidetune.server.state.app_state import AppState, law_infos
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},
@@ -49,23 +49,30 @@ def yaml_response(experiment: Experiment, name: str) -> Response:
     return Response(experiment_to_yaml(experiment), media_type=YAML, headers=headers)
 
 
-def experiment_router(studio: Studio) -> APIRouter:
+def answer(
+    revision: int, preset: str, experiment: Experiment, waiting_steps: int = 0
+) -> dict[str, Any]:
+    """Return an ``ExperimentAnswer``."""
+    return {
+        "revision": revision,
+        "preset": preset,
+        "experiment": experiment.document(),
+        "waiting_steps": waiting_steps,
+    }
+
+
+def experiment_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live document."""
     router = APIRouter(prefix="/api", tags=["experiment"])
-    document = studio.document
+    document = app_state.document
     published = {
         **Experiment.model_json_schema(),
         "x-laws": law_infos(),
         "x-figures": [figure.document() for figure in FIGURES.values()],
     }
 
-    def answer(waiting_steps: int = 0) -> dict[str, Any]:
-        return {
-            "revision": document.revision,
-            "preset": document.preset,
-            "experiment": document.experiment.document(),
-            "waiting_steps": waiting_steps,
-        }
+    def present(waiting_steps: int = 0) -> dict[str, Any]:
+        return answer(document.revision, document.preset, document.experiment, waiting_steps)
 
     @router.get("/schema", response_model=None, responses=PUBLISHED)
     async def schema() -> dict[str, Any]:
@@ -80,13 +87,13 @@ def experiment_router(studio: Studio) -> APIRouter:
         """The live document, as JSON or as a YAML download."""
         if format == "yaml":
             return yaml_response(document.experiment, document.preset or "experiment")
-        return answer()
+        return present()
 
     @router.patch("/experiment", response_model=ExperimentAnswer, responses=REFUSED)
     def patch(patch: Annotated[dict[str, Any], Body(examples=[_PATCH])]) -> dict[str, Any]:
         """Change the live document by a JSON Merge Patch (RFC 7396)."""
         document.patch(patch, author="http")
-        return answer(studio.session.waiting_steps)
+        return present(app_state.session.waiting_steps)
 
     @router.put(
         "/experiment",
@@ -111,6 +118,6 @@ def experiment_router(studio: Studio) -> APIRouter:
             document.replace(parse_experiment(body, content_type), author="http")
 
         await asyncio.to_thread(begin)
-        return answer()
+        return present()
 
     return router

@@ -10,7 +10,8 @@ from starlette.exceptions import HTTPException
 
 from slidetune.robot.experiment.document import LaneName
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer, Strict
-from slidetune.server.state.app_state import Studio
+from slidetune.server.routes.experiment import answer
+from slidetune.server.state.app_state import AppState
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     404: {"model": ErrorAnswer},
@@ -33,56 +34,48 @@ class Look(Strict):
     time: float | None = Field(ge=0.0, allow_inf_nan=False, description="``null``: the present.")
 
 
-def history_router(studio: Studio) -> APIRouter:
+def history_router(app_state: AppState) -> APIRouter:
     """Return the routes of the past."""
     router = APIRouter(prefix="/api", tags=["history"])
 
     @router.get("/history")
     async def edits() -> dict[str, Any]:
         """Every edit of this session: who, when, which field, from, to."""
-        return {"edits": studio.history.entries()}
+        return {"edits": app_state.history.entries()}
 
     @router.post("/history/{number}/restore", response_model=ExperimentAnswer, responses=REFUSED)
     def restore(number: int) -> dict[str, Any]:
         """Go back to the experiment as it was after an edit; time and states go on."""
-        experiment = studio.history.after(number)
+        experiment = app_state.history.after(number)
         if experiment is None:
             raise HTTPException(404, f"edit {number} isn't in the history any more")
-        change = studio.document.restore(experiment, author="history")
-        return {
-            "revision": change.revision,
-            "preset": studio.document.preset,
-            "experiment": change.experiment.document(),
-        }
+        change = app_state.document.restore(experiment, author="history")
+        return answer(change.revision, app_state.document.preset, change.experiment)
 
     @router.get("/session/past")
     async def past() -> dict[str, Any]:
         """Which moments can be looked at: the last minute of simulated time."""
-        span = studio.session.recorder.span()
+        span = app_state.session.recorder.span()
         return {"from": span[0] if span else None, "to": span[1] if span else None}
 
     @router.post("/session/look", status_code=202, responses=REFUSED)
     async def look(wanted: Annotated[Look, Body()]) -> dict[str, Any]:
         """Show a past moment in the 3D scene; the session pauses while it is shown."""
         if wanted.time is None:
-            studio.view.show_past(None)
+            app_state.view.show_past(None)
             return {"time": None}
-        studio.session.pause()
-        moment = studio.session.recorder.at(wanted.time)
-        studio.view.show_past(moment)
+        app_state.session.pause()
+        moment = app_state.session.recorder.at(wanted.time)
+        app_state.view.show_past(moment)
         return {"time": None if moment is None else moment.time}
 
     @router.post("/session/fork", response_model=ExperimentAnswer, responses=REFUSED)
     def fork(wanted: Annotated[Fork, Body()]) -> dict[str, Any]:
         """Go back to a moment of the last minute and go on from there with one lane more."""
-        studio.view.show_past(None)
-        change = studio.document.fork(
+        app_state.view.show_past(None)
+        change = app_state.document.fork(
             wanted.time, wanted.origin, wanted.name, wanted.gains, author="http"
         )
-        return {
-            "revision": change.revision,
-            "preset": studio.document.preset,
-            "experiment": change.experiment.document(),
-        }
+        return answer(change.revision, app_state.document.preset, change.experiment)
 
     return router

@@ -12,7 +12,7 @@ from slidetune.robot.lenses import look_through, only_known_lane
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.routes.disconnect import until_gone
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 LensName = Literal["sliding", "network", "chattering"]
 ANSWERS: dict[int | str, dict[str, Any]] = {
@@ -41,7 +41,7 @@ class LensRequest(Strict):
     )
 
 
-def lens_router(studio: Studio) -> APIRouter:
+def lens_router(app_state: AppState) -> APIRouter:
     """Return the route of the lenses."""
     router = APIRouter(prefix="/api", tags=["lenses"])
 
@@ -57,19 +57,19 @@ def lens_router(studio: Studio) -> APIRouter:
         Where sensors are noisy, ``chattering.quiet`` and ``sliding.quiet_turns`` tell the same of a
         run with exact ones.
         """
-        revision = studio.document.revision
-        whole = studio.experiment_of(wanted.experiment, wanted.patch)
-        live = whole == studio.document.experiment
+        revision = app_state.document.revision
+        whole = app_state.experiment_of(wanted.experiment, wanted.patch)
+        live = whole == app_state.document.experiment
         experiment = only_known_lane(whole, wanted.lane)
         refuse_if_costly(experiment)
         turn = f"lens {request.client.host if request.client else ''}"
         arguments = experiment, wanted.lane, wanted.lenses
-        work = studio.workers.run(look_through, *arguments, client=turn)
+        work = app_state.workers.run(look_through, *arguments, client=turn)
         seen = await until_gone(request, work)
         if seen is None:
             return Response(status_code=204)
         if live:
-            studio.results.keep_looks(revision, whole, wanted.lane, seen)
+            app_state.results.keep_looks(revision, whole, wanted.lane, seen)
         # Strict: what is no number has become null on the way, and anything else would raise.
         return JSONResponse({"revision": revision, "lane": wanted.lane, **seen})
 

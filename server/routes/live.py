@@ -41,8 +41,8 @@ from slidetune.server.guard.message_size import (
     short_id,
 )
 from slidetune.server.guard.plain_json import NotJsonError, read_json
-from slidetune.server.guard.token_bucket import Allowance
-from slidetune.server.state.app_state import Studio
+from slidetune.server.guard.token_bucket import TokenBucket
+from slidetune.server.state.app_state import AppState
 from slidetune.server.state.hub import Client, Hub, encode
 
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
@@ -58,12 +58,12 @@ def _too_fast() -> TooManyPatchesError:
 class Conversation:
     """What one client asks for."""
 
-    def __init__(self, client: Client, studio: Studio, hub: Hub) -> None:
+    def __init__(self, client: Client, app_state: AppState, hub: Hub) -> None:
         """Act for ``client``."""
         self._client = client
-        self._studio = studio
+        self._app_state = app_state
         self._hub = hub
-        self._allowance = Allowance(CLIENT_RATE, CLIENT_BURST)
+        self._bucket = TokenBucket(CLIENT_RATE, CLIENT_BURST)
 
     async def hear(self, text: str) -> None:
         """Act on one message; a bad one is answered to this client alone and changes nothing."""
@@ -102,7 +102,7 @@ class Conversation:
 
         A slow drip of refusals is all that a flood gets, whatever is in it.
         """
-        if self._allowance.take(cost):
+        if self._bucket.take(cost):
             await asyncio.sleep(0)  # many messages may be there already: they take turns too
             return True
         # This client's next message waits meanwhile; nobody else's does.
@@ -124,7 +124,7 @@ class Conversation:
         self._client.tell(encode({"type": "error", "id": known, **body}))
 
     async def _act(self, message: Any) -> None:
-        session = self._studio.session
+        session = self._app_state.session
         if not isinstance(message, PlainCommand | ResetMessage):
             session.refuse_if_busy()
         match message:
@@ -133,7 +133,7 @@ class Conversation:
             case PlainCommand():
                 getattr(session, message.type)()
             case ResetMessage():
-                self._studio.reset(message.lane)
+                self._app_state.reset(message.lane)
             case StepMessage():
                 session.step(message.count)
             case KickMessage():
@@ -149,27 +149,27 @@ class Conversation:
                 await self._duplicate(message)
 
     async def _patch(self, message: PatchMessage) -> None:
-        document, author = self._studio.document, self._client.name
+        document, author = self._app_state.document, self._client.name
         await asyncio.to_thread(document.patch, message.patch, author, message.id)
 
     async def _duplicate(self, message: LaneMessage) -> None:
-        document, author = self._studio.document, self._client.name
+        document, author = self._app_state.document, self._client.name
         await asyncio.to_thread(
             document.duplicate, message.origin, message.name, author, message.id
         )
 
     def _select(self, lane: str) -> None:
-        self._studio.refuse_unknown(lane)
-        self._studio.view.selected = lane
-        self._studio.session.ask(self._studio.session.on_change)
+        self._app_state.document.experiment.lane(lane)
+        self._app_state.view.selected = lane
+        self._app_state.session.ask(self._app_state.session.on_change)
 
     def _view(self, message: ViewMessage) -> None:
-        view = self._studio.view
+        view = self._app_state.view
         if message.exaggeration is not None:
             view.exaggeration = message.exaggeration
         if message.ghosts is not None:
             view.ghosts = message.ghosts
-        self._studio.session.ask(self._studio.session.on_change)
+        self._app_state.session.ask(self._app_state.session.on_change)
 
 
 async def _hear(socket: WebSocket, conversation: Conversation) -> None:
@@ -200,7 +200,7 @@ async def _talk(socket: WebSocket, client: Client, conversation: Conversation) -
                 raise error
 
 
-def live_router(studio: Studio, hub: Hub) -> APIRouter:
+def live_router(app_state: AppState, hub: Hub) -> APIRouter:
     """Return the live WebSocket."""
     router = APIRouter()
 
@@ -210,10 +210,10 @@ def live_router(studio: Studio, hub: Hub) -> APIRouter:
         if len(hub.clients) >= MAX_CLIENTS:
             await socket.close(1013, f"{MAX_CLIENTS} clients are connected already.")
             return
-        client = Client(hub.new_name(), socket, studio, role_in(socket.scope))
+        client = Client(hub.new_name(), socket, app_state, role_in(socket.scope))
         hub.clients.add(client)
         try:
-            await _talk(socket, client, Conversation(client, studio, hub))
+            await _talk(socket, client, Conversation(client, app_state, hub))
         except WebSocketDisconnect:
             pass
         finally:

@@ -17,9 +17,9 @@ from slidetune.server.contract.messages import (
     PresetList,
 )
 from slidetune.server.contract.openapi import OR_YAML, YAML
-from slidetune.server.routes.experiment import parse_experiment, yaml_response
-from slidetune.server.state.app_state import Studio
-from slidetune.server.state.preset_quota import save_if_room
+from slidetune.server.routes.experiment import answer, parse_experiment, yaml_response
+from slidetune.server.state.app_state import AppState
+from slidetune.server.state.preset_quota import save_within_quota
 
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
 _CONFLICT: dict[int | str, dict[str, Any]] = {
@@ -34,7 +34,7 @@ def _answer(name: str, experiment: Experiment, shipped: bool) -> dict[str, Any]:
     return {**asdict(info), "experiment": experiment.document()}
 
 
-def presets_router(studio: Studio) -> APIRouter:
+def presets_router(app_state: AppState) -> APIRouter:
     """Return the routes of the presets."""
     router = APIRouter(prefix="/api/presets", tags=["presets"])
 
@@ -75,11 +75,11 @@ def presets_router(studio: Studio) -> APIRouter:
         content_type = request.headers.get("content-type", "")
         if body.strip():
             saved = await run_in_threadpool(parse_experiment, body, content_type)
-            await run_in_threadpool(save_if_room, preset_store(), name, saved, overwrite)
+            await run_in_threadpool(save_within_quota, preset_store(), name, saved, overwrite)
         else:
-            beginning, saved = studio.document.present()
-            await run_in_threadpool(save_if_room, preset_store(), name, saved, overwrite)
-            studio.document.saved_as(name, saved, beginning)
+            beginning, saved = app_state.document.present()
+            await run_in_threadpool(save_within_quota, preset_store(), name, saved, overwrite)
+            app_state.document.saved_as(name, saved, beginning)
         return _answer(name, saved, shipped=False)
 
     @router.delete("/{name}", status_code=204, responses=_CONFLICT)
@@ -91,11 +91,7 @@ def presets_router(studio: Studio) -> APIRouter:
     @router.post("/{name}/load", response_model=ExperimentAnswer, responses=_UNKNOWN)
     def load(name: str) -> dict[str, Any]:
         """Begin a preset in the live session, at time 0."""
-        change = studio.document.replace(preset_store().load(name), preset=name, author="http")
-        return {
-            "revision": change.revision,
-            "preset": name,
-            "experiment": change.experiment.document(),
-        }
+        change = app_state.document.replace(preset_store().load(name), preset=name, author="http")
+        return answer(change.revision, name, change.experiment)
 
     return router

@@ -10,13 +10,13 @@ from pydantic import Field
 from slidetune.server.compute.preview import encode_responses
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.routes.disconnect import until_gone
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 BINARY = "application/octet-stream"
 SUPERSEDED: dict[int | str, dict[str, Any]] = {
     200: {
         "content": {BINARY: {}},
-        "description": "See ``server.preview.encode_responses``. Each lane's ``accuracy`` holds "
+        "description": "See ``encode_responses``. Each lane's ``accuracy`` holds "
         "``error_estimate`` [rad], null in a quick run; ``unconverged``, steps whose equation was "
         "not solved to its tolerance; ``capped``, rows whose step was not cut as far as its error "
         "asked; ``remark``, what is wrong and what would help; ``patch``, which sets it, or null.",
@@ -48,7 +48,7 @@ class PreviewRequest(Strict):
     )
 
 
-def preview_router(studio: Studio) -> APIRouter:
+def preview_router(app_state: AppState) -> APIRouter:
     """Return the route of whole responses."""
     router = APIRouter(prefix="/api", tags=["preview"])
 
@@ -59,23 +59,23 @@ def preview_router(studio: Studio) -> APIRouter:
         The answer is binary: ``uint32`` length of a JSON text, the text, then columns of
         ``float32`` as the text describes them.
         """
-        revision = studio.document.revision
-        experiment = studio.experiment_of(wanted.experiment, wanted.patch)
-        keep = not wanted.quick and experiment == studio.document.experiment
+        revision = app_state.document.revision
+        experiment = app_state.experiment_of(wanted.experiment, wanted.patch)
+        keep = not wanted.quick and experiment == app_state.document.experiment
         turn = request.client.host if request.client else ""
-        work = studio.previews.respond(experiment, wanted.quick, wanted.client, turn)
+        work = app_state.previews.respond(experiment, wanted.quick, wanted.client, turn)
         responses = await until_gone(request, work)
         if responses is None:
             return Response(status_code=204)
         if wanted.show is not None:
             shown = responses if wanted.show else {}
-            studio.view.show_responses({name: r.path for name, r in shown.items()})
+            app_state.view.show_responses({name: r.path for name, r in shown.items()})
         horizon = experiment.simulation.horizon
         hold = experiment.simulation.hold
         head = {"revision": revision, "quick": wanted.quick, "horizon": horizon, "hold": hold}
         message = encode_responses(head, responses)
         if keep:
-            studio.results.keep_response(revision, message)
+            app_state.results.keep_response(revision, message)
         return Response(message, media_type=BINARY)
 
     return router

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 from slidetune.server.contract.messages import ErrorAnswer
 from slidetune.server.routes.lens import LensName
 from slidetune.server.routes.preview import BINARY
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 JSON = "application/json"
 NONE_YET = {"description": "Nobody has asked for one yet."}
@@ -27,7 +27,7 @@ LOOK: dict[int | str, dict[str, Any]] = {
 }
 
 
-def results_router(studio: Studio) -> APIRouter:
+def results_router(app_state: AppState) -> APIRouter:
     """Return the routes of the last results."""
     router = APIRouter(prefix="/api/results", tags=["results"])
 
@@ -38,14 +38,14 @@ def results_router(studio: Studio) -> APIRouter:
         Its ``revision`` says whether the experiment has changed since. ``results`` of
         ``GET /api/session`` counts them.
         """
-        return _answer(studio.results.response, BINARY)
+        return _answer(app_state.results.response, BINARY)
 
     @router.get("/lens", response_class=Response, responses=LOOK)
     async def look(
         lane: Annotated[str, Query(examples=["RBFNN-NFTSM"])], lens: Annotated[LensName, Query()]
     ) -> Response:
         """The last look at a lane of the live experiment through a lens."""
-        return _answer(studio.results.look(lane, lens), JSON)
+        return _answer(app_state.results.look(lane, lens), JSON)
 
     return router
 

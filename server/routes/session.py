@@ -19,32 +19,32 @@ from slidetune.server.contract.messages import (
 )
 from slidetune.server.guard.access import role_in
 from slidetune.server.guard.limits import limits_document
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
 
 
-def session_router(studio: Studio) -> APIRouter:
+def session_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live session."""
     router = APIRouter(prefix="/api", tags=["session"])
-    session = studio.session
+    session = app_state.session
 
     @router.get("/health", response_model=Health)
     async def health(request: Request) -> dict[str, Any]:
         """Whether the server is well, what it lets you do, and how much of it."""
         role = role_in(request.scope)
-        return {**studio.health(), "role": role, "limits": limits_document()}
+        return {**app_state.health(), "role": role, "limits": limits_document()}
 
     @router.get("/session", response_model=SessionState)
     async def state() -> dict[str, Any]:
         """Where the live session stands."""
-        return studio.state()
+        return app_state.state()
 
     @router.patch("/session", response_model=SessionState, responses=REFUSED)
     async def change(speed: Speed) -> dict[str, Any]:
         """Change the speed; it takes effect with the next step."""
         session.set_speed(speed.speed)
-        return {**studio.state(), "speed": speed.speed}
+        return {**app_state.state(), "speed": speed.speed}
 
     @router.post("/session/play", status_code=202)
     async def play() -> Accepted:
@@ -67,7 +67,7 @@ def session_router(studio: Studio) -> APIRouter:
     @router.post("/session/reset", status_code=202, responses=REFUSED)
     async def reset(what: Annotated[Reset | None, Body()] = None) -> Accepted:
         """Go back to time 0 and drop the steps that wait; or let one lane alone begin anew."""
-        studio.reset(what.lane if what else None)
+        app_state.reset(what.lane if what else None)
         return Accepted(waiting_steps=session.waiting_steps)
 
     @router.post("/session/kick", status_code=202, responses=REFUSED)
@@ -80,6 +80,6 @@ def session_router(studio: Studio) -> APIRouter:
     @router.get("/metrics", response_model=MetricsMessage)
     def metrics() -> dict[str, Any]:
         """Figures of every lane since its last change and over the last ten seconds; remarks."""
-        return studio.metrics()
+        return app_state.metrics()
 
     return router

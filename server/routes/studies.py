@@ -20,9 +20,9 @@ from slidetune.robot.study.variant import figures
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import BusyError, WorkerLostError
 from slidetune.server.contract.messages import ErrorAnswer, Strict
-from slidetune.server.guard.concurrency_limit import Seats
+from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"
 LINES: dict[int | str, dict[str, Any]] = {
@@ -33,15 +33,15 @@ LINES: dict[int | str, dict[str, Any]] = {
 _FULL = f"{MAX_STUDIES} studies are under way already: ask again when one of them has ended"
 
 
-class _Seated(StreamingResponse):
-    """An answer that holds a seat until all of it is sent, or its client has gone."""
+class _Limited(StreamingResponse):
+    """An answer that counts as under way until all of it is sent, or its client has gone."""
 
-    def __init__(self, seats: Seats, lines: AsyncIterator[str]) -> None:
+    def __init__(self, running: ConcurrencyLimit, lines: AsyncIterator[str]) -> None:
         super().__init__(lines, media_type=NDJSON)
-        self._seats = seats
+        self._running = running
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        with self._seats.one():
+        with self._running.one():
             await super().__call__(scope, receive, send)
 
 
@@ -70,14 +70,14 @@ class SensitivityRequest(StudyRequest):
     change: float = Field(0.1, gt=0.0, le=0.9, description="Share by which each is changed.")
 
 
-def studies_router(studio: Studio) -> APIRouter:
+def studies_router(app_state: AppState) -> APIRouter:
     """Return the routes of the studies."""
     router = APIRouter(prefix="/api/studies", tags=["studies"])
-    seats = Seats(MAX_STUDIES, lambda: TooManyStudiesError(_FULL))
+    running = ConcurrencyLimit(MAX_STUDIES, lambda: TooManyStudiesError(_FULL))
     numbers = itertools.count()
 
     def told(lane: str, trials: list[Trial]) -> StreamingResponse:
-        experiment, revision = studio.document.experiment, studio.document.revision
+        experiment, revision = app_state.document.experiment, app_state.document.revision
         refuse_if_costly(experiment)
         turn = f"study {next(numbers)}"
 
@@ -86,7 +86,7 @@ def studies_router(studio: Studio) -> APIRouter:
             for number, trial in enumerate(trials):
                 try:
                     arguments = experiment, lane, trial.patch
-                    result = await studio.workers.run(figures, *arguments, client=turn)
+                    result = await app_state.workers.run(figures, *arguments, client=turn)
                 except (BusyError, WorkerLostError) as error:
                     nothing = dict.fromkeys(STUDIED)
                     result = {**nothing, "state": "refused", "reason": str(error)}
@@ -99,25 +99,25 @@ def studies_router(studio: Studio) -> APIRouter:
                 }
                 yield json.dumps(row, allow_nan=False, ensure_ascii=False) + "\n"
 
-        return _Seated(seats, lines())
+        return _Limited(running, lines())
 
     @router.post("/strip", response_class=StreamingResponse, responses=LINES)
     async def one_knob(wanted: Annotated[StripRequest, Body()]) -> StreamingResponse:
         """Try one gain, of all joints or of one, along its slider's track, the others fixed."""
-        experiment = studio.document.experiment
+        experiment = app_state.document.experiment
         trials = strip(experiment, wanted.lane, wanted.field, wanted.count, wanted.joint)
         return told(wanted.lane, trials)
 
     @router.post("/sensitivity", response_class=StreamingResponse, responses=LINES)
     async def all_knobs(wanted: Annotated[SensitivityRequest, Body()]) -> StreamingResponse:
         """Turn every gain of a lane a little both ways: which knob next?"""
-        trials = sensitivity(studio.document.experiment, wanted.lane, wanted.change)
+        trials = sensitivity(app_state.document.experiment, wanted.lane, wanted.change)
         return told(wanted.lane, trials)
 
     @router.post("/switching", response_class=StreamingResponse, responses=LINES)
     async def smoothing(wanted: Annotated[StudyRequest, Body()]) -> StreamingResponse:
         """Accuracy against chattering: tanh over ε, then sign, saturation and tanh as they are."""
-        trials = switching_comparison(studio.document.experiment, wanted.lane)
+        trials = switching_comparison(app_state.document.experiment, wanted.lane)
         return told(wanted.lane, trials)
 
     return router

@@ -29,7 +29,7 @@ PATH_POINTS = 400
 """Points of the desired path over the horizon (*ours*)."""
 
 
-class StageView:
+class SceneFeed:
     """What the scene shows, and when."""
 
     def __init__(self, scene: Scene, colors: LaneColors) -> None:

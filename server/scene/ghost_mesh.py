@@ -25,7 +25,7 @@ def ghost_mesh(link: str) -> tuple[Array, Array]:
     """Return a link's mesh as one coarse surface under the skin of the link.
 
     Args:
-        link: a name of ``robot.description.LINK_NAMES``.
+        link: a name of ``robot.arm.description.LINK_NAMES``.
 
     Returns:
         Vertices in [m] and faces. Shapes (n, 3) and (m, 3).

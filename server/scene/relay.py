@@ -3,7 +3,7 @@
 Viser listens on a loopback port of its own, which a browser elsewhere can't reach and which
 checks nobody. This relay carries its page and its WebSocket through the server's one address:
 one port to forward, one place where access is checked. Viser's own port is locked with a key that
-only the relay knows (``server.scene_lock``).
+only the relay knows (``server.scene.lock``).
 
 Messages to Viser wait where they come faster than they may. Of a viewer's messages only the
 camera's pass: everything else that a browser can say to Viser pulls at the arm or presses a button.
@@ -32,10 +32,10 @@ from websockets.frames import Close
 from websockets.typing import Subprotocol
 
 from slidetune.server.guard.access import role_in
-from slidetune.server.guard.concurrency_limit import Seats
+from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.errors import error_body
 from slidetune.server.guard.limits import MAX_CLIENTS, SCENE_BURST, SCENE_RATE
-from slidetune.server.guard.token_bucket import Allowance
+from slidetune.server.guard.token_bucket import TokenBucket
 from slidetune.server.scene.lock import KEY_HEADER
 
 # Ours: far above any scene of this project, so that it only stops a runaway message [byte].
@@ -73,7 +73,7 @@ def scene_router(port: int, key: str = "") -> APIRouter:
 
     Args:
         port: the TCP port on 127.0.0.1 that Viser listens on.
-        key: what ``server.scene_lock.lock_scene`` returned, where that port is locked.
+        key: what ``server.scene.lock.lock_scene`` returned, where that port is locked.
 
     Returns:
         `GET` and `HEAD` of `/scene` and `/scene/...`, WebSockets at `/scene` and `/scene/`.
@@ -102,7 +102,7 @@ class SceneRelay:
         """Relay to this TCP port on 127.0.0.1, with the key that opens it."""
         self._address = f"127.0.0.1:{port}"
         self._key = {KEY_HEADER: key} if key else {}
-        self._seats = Seats(MAX_CLIENTS, SceneIsFullError)
+        self._connections = ConcurrencyLimit(MAX_CLIENTS, SceneIsFullError)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Relay the request or the WebSocket that the scope describes."""
@@ -144,7 +144,7 @@ class SceneRelay:
         await receive()  # websocket.connect
         offered = [Subprotocol(name) for name in scope["subprotocols"]]
         try:
-            with self._seats.one():
+            with self._connections.one():
                 await self._converse(scope, offered, receive, send)
         except SceneIsFullError:
             await _turn_away(offered, _SCENE_IS_FULL, send)
@@ -234,12 +234,12 @@ async def _scene_to_browser(upstream: ClientConnection, send: Send) -> None:
 
 
 async def _browser_to_scene(receive: Receive, upstream: ClientConnection, watching: bool) -> Close:
-    allowance = Allowance(SCENE_RATE, SCENE_BURST)
+    bucket = TokenBucket(SCENE_RATE, SCENE_BURST)
     with suppress(ConnectionClosed):
         while (message := await receive())["type"] == "websocket.receive":
             data = message.get("bytes")
             said: str | bytes = message["text"] if data is None else data
-            await asyncio.sleep(allowance.wait())
+            await asyncio.sleep(bucket.wait())
             if not watching or viewer_may_say(said):
                 await upstream.send(said)
         return _sendable(message.get("code", 1000), message.get("reason") or "", _LEFT)

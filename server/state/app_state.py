@@ -9,8 +9,7 @@ from time import monotonic
 from typing import Any
 
 from slidetune.robot import __version__
-from slidetune.robot.advice.advice import notes
-from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.laws import LAWS
@@ -20,13 +19,13 @@ from slidetune.server.compute.workers import Workers
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 from slidetune.server.live.telemetry import Telemetry
-from slidetune.server.scene.feed import StageView
+from slidetune.server.scene.feed import SceneFeed
 from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 
-log = logging.getLogger("slidetune.studio")
+log = logging.getLogger("slidetune.app_state")
 
 
 def law_infos() -> list[dict[str, Any]]:
@@ -35,7 +34,7 @@ def law_infos() -> list[dict[str, Any]]:
     return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
 
 
-_NO_REMARKS: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
+_NO_ADVICE: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
 
 
 def _remarks(packed: Packed, name: str) -> dict[str, Any]:
@@ -46,14 +45,14 @@ def _remarks(packed: Packed, name: str) -> dict[str, Any]:
         return {
             "gamma": margin and margin.gamma,
             "margin": margin and margin.document(),
-            "notes": [asdict(note) for note in notes(packed, name)],
+            "notes": [asdict(one) for one in advice_on(packed, name)],
         }
     except Exception:
         log.exception("The numbers of lane %s can't be judged.", name)
-        return _NO_REMARKS
+        return _NO_ADVICE
 
 
-class Studio:
+class AppState:
     """Everything that lives as long as the server.
 
     Attributes:
@@ -72,7 +71,7 @@ class Studio:
         packed = pack(experiment)
         self.colors = LaneColors()
         self.colors.assign(list(packed.gains))
-        self.view = StageView(Scene(), self.colors)
+        self.view = SceneFeed(Scene(), self.colors)
         self.session = Session(packed, self.view)
         self.document = Document(packed, preset, self.session, self.colors)
         self.history = EditHistory(experiment)
@@ -108,17 +107,6 @@ class Studio:
             base = Experiment.from_document(document)
         return base.patched(patch) if patch else base
 
-    def refuse_unknown(self, lane: str) -> None:
-        """Refuse the name of a lane that there isn't.
-
-        Raises:
-            InvalidExperimentError: naming those that there are.
-        """
-        lanes = self.document.experiment.lanes
-        if lane not in lanes:
-            text = f"no lane is named {lane}; there are: {', '.join(lanes)}"
-            raise InvalidExperimentError([FieldError("lane", text, lane)])
-
     def reset(self, lane: str | None) -> None:
         """Reset the session, or one lane alone.
 
@@ -129,7 +117,7 @@ class Studio:
         if lane is None:
             self.session.reset()
         else:
-            self.refuse_unknown(lane)
+            self.document.experiment.lane(lane)
             self.session.reset_lane(lane)
 
     def health(self) -> dict[str, Any]:
@@ -154,7 +142,7 @@ class Studio:
         """Return the ``metrics`` message: figures, sampling margin and remarks of every lane."""
         remarks = self._current_remarks()
         lanes = {
-            name: {**figures, **remarks.get(name, _NO_REMARKS)}
+            name: {**figures, **remarks.get(name, _NO_ADVICE)}
             for name, figures in self.session.figures.document().items()
         }
         return {"type": "metrics", "lanes": lanes}

@@ -129,14 +129,11 @@ class Document:
 
     def _variant(self, origin: str, name: str, gains: Mapping[str, Any]) -> dict[str, Any]:
         """Return the patch that adds a copy of a lane with some other gains."""
-        lanes = self.experiment.lanes
-        if origin not in lanes:
-            text = f"no lane is named {origin}; there are: {', '.join(lanes)}"
-            raise InvalidExperimentError([FieldError("origin", text, origin)])
-        if name in lanes:
+        copied = self.experiment.lane(origin, "origin")
+        if name in self.experiment.lanes:
             text = f"there is a lane named {name} already: choose another name"
             raise InvalidExperimentError([FieldError("name", text, name)])
-        return {"lanes": {name: {**lanes[origin].model_dump(mode="json"), **gains}}}
+        return {"lanes": {name: {**copied.model_dump(mode="json"), **gains}}}
 
     def duplicate(self, origin: str, name: str, author: str = "", request: Any = None) -> Change:
         """Add a lane with the gains and the state of another.

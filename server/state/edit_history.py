@@ -23,7 +23,7 @@ class Edit:
     """One entry of the history.
 
     Attributes:
-        number: counts entries from 1.
+        number: counts entries from 1; that of an entry which is gone never comes again.
         revision: revision that it made, the last of a drag.
         time: when, in [s] since 1970.
         author: who.
@@ -57,6 +57,11 @@ def _differences(before: Any, after: Any, path: tuple[str, ...] = ()) -> Iterato
         yield {"path": list(path), "from": values[0], "to": values[1]}
 
 
+def _paths(changes: tuple[dict[str, Any], ...]) -> list[list[str]]:
+    """Return which fields changed; there and back the same, whatever order they are found in."""
+    return sorted(change["path"] for change in changes)
+
+
 class EditHistory:
     """The edits of this session, oldest first."""
 
@@ -69,7 +74,10 @@ class EditHistory:
         self._lock = Lock()
 
     def note(self, change: Change) -> None:
-        """Take a change in; one more step of the same drag extends the last entry."""
+        """Take a change in; one more step of the same drag extends the last entry.
+
+        A drag that ends where it began, or an edit that is taken back at once, leaves no entry.
+        """
         with self._lock:
             last = self._edits[-1] if self._edits else None
             before, after, now = self._present, change.experiment, self._clock()
@@ -77,14 +85,16 @@ class EditHistory:
             changes = tuple(_differences(before.document(), after.document()))
             if not changes:
                 return
-            paths = [entry["path"] for entry in changes]
             if (
                 last is not None
                 and last.author == change.author
                 and now - last.time < JOIN
-                and [entry["path"] for entry in last.changes] == paths
+                and _paths(last.changes) == _paths(changes)
             ):
                 joined = tuple(_differences(last.before.document(), after.document()))
+                if not joined:
+                    self._edits.pop()
+                    return
                 self._edits[-1] = replace(
                     last, revision=change.revision, time=now, changes=joined, after=after
                 )

@@ -13,8 +13,8 @@ from starlette.websockets import WebSocket
 
 from slidetune.server.guard.access_policy import Role
 from slidetune.server.guard.limits import TOTAL_BURST, TOTAL_RATE
-from slidetune.server.guard.token_bucket import Allowance
-from slidetune.server.state.app_state import Studio
+from slidetune.server.guard.token_bucket import TokenBucket
+from slidetune.server.state.app_state import AppState
 from slidetune.server.state.document import Change
 
 log = logging.getLogger("slidetune.hub")
@@ -35,12 +35,14 @@ def encode(message: dict[str, Any]) -> str:
 class Client:
     """One browser or script: its own outbox, its own place in the telemetry."""
 
-    def __init__(self, name: str, socket: WebSocket, studio: Studio, role: Role = "owner") -> None:
+    def __init__(
+        self, name: str, socket: WebSocket, app_state: AppState, role: Role = "owner"
+    ) -> None:
         """Begin at the present."""
         self.name = name
         self.role = role
         self._socket = socket
-        self._studio = studio
+        self._app_state = app_state
         self._outbox: deque[str] = deque()
         self._wake = asyncio.Event()
         self._telemetry: Any = None
@@ -72,12 +74,12 @@ class Client:
                 continue
 
     async def _send_messages(self) -> None:
-        if self._lags or self._telemetry is not self._studio.session.telemetry:
+        if self._lags or self._telemetry is not self._app_state.session.telemetry:
             # Before the wait: what is too much meanwhile asks for one more fresh start.
             self._lags = False
-            self._telemetry = self._studio.session.telemetry
+            self._telemetry = self._app_state.session.telemetry
             self._cursor = max(0, self._telemetry.written - 1)
-            hello = {**self._studio.hello(self.name, self._telemetry), "role": self.role}
+            hello = {**self._app_state.hello(self.name, self._telemetry), "role": self.role}
             await self._socket.send_text(encode(hello))
         while self._outbox and not self._lags:
             await self._socket.send_text(self._outbox.popleft())
@@ -91,11 +93,11 @@ class Client:
 class Hub:
     """All clients, and the news that go to each."""
 
-    def __init__(self, studio: Studio) -> None:
+    def __init__(self, app_state: AppState) -> None:
         """Listen to the document and to the session."""
         self.clients: set[Client] = set()
-        self.patches = Allowance(TOTAL_RATE, TOTAL_BURST)
-        self._studio = studio
+        self.patches = TokenBucket(TOTAL_RATE, TOTAL_BURST)
+        self._app_state = app_state
         self._count = 0
         self._changed = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -103,10 +105,10 @@ class Hub:
     def start(self) -> asyncio.Task[None]:
         """Begin to publish, on the running event loop; return the task to cancel at the end."""
         self._loop = asyncio.get_running_loop()
-        self._studio.document.listeners.append(self._on_change)
-        self._studio.session.on_change = lambda: self._soon(self._changed.set)
-        self._studio.session.on_swap = lambda: self._soon(self._wake)
-        self._studio.session.on_notice = self._notice
+        self._app_state.document.listeners.append(self._on_change)
+        self._app_state.session.on_change = lambda: self._soon(self._changed.set)
+        self._app_state.session.on_swap = lambda: self._soon(self._wake)
+        self._app_state.session.on_notice = self._notice
         return self._loop.create_task(self._publish(), name="slidetune-publish")
 
     def new_name(self) -> str:
@@ -133,10 +135,10 @@ class Hub:
             if not self.clients:
                 continue
             try:
-                self.broadcast(self._studio.state())
+                self.broadcast(self._app_state.state())
                 if count >= 3:
                     count = 0
-                    self.broadcast(await asyncio.to_thread(self._studio.metrics))
+                    self.broadcast(await asyncio.to_thread(self._app_state.metrics))
             except Exception:
                 # Whatever it was, the next state is news again; nobody's screen stands still.
                 log.exception("could not tell the clients how things are")

@@ -30,7 +30,7 @@ class LastResults:
 
     @property
     def response(self) -> bytes | None:
-        """The last whole response as ``server.preview.encode_responses`` wrote it."""
+        """The last whole response as ``server.compute.preview.encode_responses`` wrote it."""
         return None if self._response is None else self._response[1]
 
     def look(self, lane: str, lens: str) -> bytes | None:

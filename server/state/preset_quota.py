@@ -11,7 +11,7 @@ from slidetune.server.guard.limits import MAX_PRESETS, TooManyPresetsError
 _turn = Lock()
 
 
-def save_if_room(
+def save_within_quota(
     store: PresetStore, name: str, experiment: Experiment, overwrite: bool = False
 ) -> None:
     """Save a preset where there is room; an existing one can always be overwritten.

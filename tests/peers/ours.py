@@ -15,7 +15,7 @@ LANE = "RBFNN-NFTSM"
 
 
 def mass_and_bias(problem: Problem) -> MassAndBias:
-    """Return M and h as ``robot.steps`` takes them: views that Pinocchio refills."""
+    """Return M and h as ``robot.loop.steps`` takes them: views that Pinocchio refills."""
     model = pin.buildModelFromUrdf(problem.urdf)
     data = model.createData()
     crba, bias = pin.crba, pin.nonLinearEffects

@@ -17,7 +17,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.server.app import create_app
 from slidetune.server.guard.access_policy import AccessPolicy, policy_for
 from slidetune.server.serve import free_socket, server_config
-from slidetune.server.state.app_state import Studio
+from slidetune.server.state.app_state import AppState
 
 LANES = {
     "RBFNN-NFTSM": {"law": "rbfnn_nftsm"},
@@ -32,7 +32,7 @@ class Served:
 
     url: str
     live: str
-    studio: Studio
+    app_state: AppState
     http: httpx.Client
     policy: AccessPolicy
 
@@ -42,11 +42,11 @@ def serving(presets: Path, token: bool = False) -> Iterator[Served]:
     """Start a server with a folder of own presets; ``http`` speaks as its owner."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIDETUNE_PRESETS", str(presets))
-        studio = Studio(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
+        app_state = AppState(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
         bound = free_socket("127.0.0.1", 0)
         port = bound.getsockname()[1]
         policy = policy_for("127.0.0.1", port, token)
-        server = uvicorn.Server(server_config(create_app(studio, policy)))
+        server = uvicorn.Server(server_config(create_app(app_state, policy)))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)
         thread.start()
         end = time.monotonic() + 60.0
@@ -56,7 +56,7 @@ def serving(presets: Path, token: bool = False) -> Iterator[Served]:
         url = f"http://127.0.0.1:{port}"
         owner = {"authorization": f"Bearer {policy.token}"} if token else {}
         with httpx.Client(base_url=url, headers=owner, timeout=60.0, trust_env=False) as http:
-            yield Served(url, f"ws://127.0.0.1:{port}/api/live", studio, http, policy)
+            yield Served(url, f"ws://127.0.0.1:{port}/api/live", app_state, http, policy)
         server.should_exit = True
         thread.join(30.0)
         assert not thread.is_alive()
@@ -73,8 +73,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 def served(server: Served) -> Served:
     """Return the server as if it had just been started with the paper's three lanes."""
     experiment = Experiment.from_document({"title": "Three lanes", "lanes": LANES})
-    session = server.studio.session
-    server.studio.document.replace(experiment)
+    session = server.app_state.session
+    server.app_state.document.replace(experiment)
     session.set_speed(1.0)
     session.play()
     done = threading.Event()

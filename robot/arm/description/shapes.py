@@ -1,4 +1,4 @@
-"""Write ``meshes/*.glb``, one a link, from the tables: ``python -m robot.description.shapes``."""
+"""Write ``meshes/*.glb``, one a link: ``python -m slidetune.robot.arm.description.shapes``."""
 
 from collections.abc import Callable, Mapping
 from math import cos, pi, sin

@@ -1,4 +1,4 @@
-"""Write ``jaka_zu5.urdf`` from the tables: ``python -m robot.description.urdf``."""
+"""Write ``jaka_zu5.urdf`` from the tables: ``python -m slidetune.robot.arm.description.urdf``."""
 
 from math import pi
 from xml.sax.saxutils import quoteattr
@@ -14,7 +14,7 @@ from slidetune.robot.arm.description.figures import (
 from slidetune.robot.arm.description.primitives import PRIMITIVES, Box, Cylinder, Primitive
 
 _HEADER = """<?xml version="1.0"?>
-<!-- JAKA Zu 5. Written by robot.description.urdf from the tables beside it: edit those.
+<!-- JAKA Zu 5. Written by robot/arm/description/urdf.py from the tables beside it: edit those.
      Lengths in m, angles in rad, masses in kg. README.md names the source of each figure.
      Inertials are the manufacturer's, unscaled: every link as solid steel, 96.3935 kg in all,
      while the real arm weighs 23 kg.

@@ -97,12 +97,16 @@ class NetworkGains(Section):
         meaning="What the Gaussians look at: the error e, the angle q or the desired angle q_d.",
     )
 
+    @property
+    def spacing(self) -> float:
+        """Distance between the centres of two neighbouring Gaussians in [rad]."""
+        return 2.0 * self.center_span / (NODES - 1)
+
     def pack_network(self) -> Array:
         """Return the network as numbers. Shape (6, 6)."""
         block = np.zeros((NETWORK_ROWS, JOINTS))
-        spacing = 2.0 * self.center_span / (NODES - 1)
         block[SHARPNESS] = 0.5 / np.square(self.width)
-        block[DECAY] = np.exp(-2.0 * block[SHARPNESS] * spacing**2)
+        block[DECAY] = np.exp(-2.0 * block[SHARPNESS] * self.spacing**2)
         block[PHI], block[SIGMA], block[SPAN] = self.learning_rate, self.leakage, self.center_span
         block[INPUT] = INPUTS.index(self.network_input)
         return block
@@ -145,7 +149,7 @@ def gaussians(x, block, j, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def network(block, base, work):  # type: ignore[no-untyped-def]
+def network(block, state, work):  # type: ignore[no-untyped-def]
     r"""Output of the network and how fast learning would change it (Eq. 19-21).
 
     .. math:: h_j = \exp\frac{-(x - c_j)^2}{2 b^2}, \quad f_i = \sum_j W_{ji} h_{ji}, \quad
@@ -153,7 +157,7 @@ def network(block, base, work):  # type: ignore[no-untyped-def]
 
     Args:
         block: numbers of ``NetworkGains.pack_network``. Shape (6, 6).
-        base: first row of the state whose weights count.
+        state: first row of the state whose weights count.
         work: workspace; writes HIDDEN, NETWORK [N m], NETWORK_SLOPE = phi * sum h^2, LEARNING,
             LEAKAGE.
     """
@@ -170,7 +174,7 @@ def network(block, base, work):  # type: ignore[no-untyped-def]
     for n in range(NODES):
         for j in range(JOINTS):
             hidden = work[HIDDEN + n, j]
-            work[NETWORK, j] += work[base + W + n, j] * hidden
+            work[NETWORK, j] += work[state + W + n, j] * hidden
             work[NETWORK_SLOPE, j] += block[PHI, j] * hidden * hidden
 
 

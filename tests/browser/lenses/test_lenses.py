@@ -280,7 +280,7 @@ def test_a_restless_law_that_never_switches_is_not_told_to_widen_its_layer(
     told = page.evaluate(
         """async () => {
           const {chatteringFinding, energyFinding} = (
-            await import('/static/lens_verdicts.js'));
+            await import('/static/lenses/verdicts.js'));
           const seen = {frequency: [1], switches: 9, above: 3, mae: 1e-3, quiet: null};
           const sliding = {turns: 400, quiet_turns: null, outside: 0, joints: []};
           const exact = {kp: 100, kd: 900};
@@ -306,7 +306,7 @@ def test_knee_is_the_point_that_bends_farthest(page: Page, dashboard: Dashboard)
     page.goto(dashboard.url)
     found = page.evaluate(
         """async () => {
-          const {knee} = await import('/static/lens_knee.js');
+          const {knee} = await import('/static/lenses/knee.js');
           const rows = (list) => list.map(([value, mae, chattering]) => ({value, mae, chattering}));
           return [knee(rows([[1, 1, 1e5], [2, 1.1, 1e4], [3, 1.2, 100], [4, 4, 90], [5, 40, 80]])),
             knee(rows([[1, 1, 1000], [2, 10, 100], [3, 100, 10]]))];

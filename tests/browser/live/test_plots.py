@@ -32,7 +32,7 @@ async ([height, tab]) => {
 DRAW = """
 async (turns) => {
   const [{figure, themeOf}, {PlotRedraw}] = await Promise.all([
-    import('/static/figure.js'), import('/static/plot_redraw.js'),
+    import('/static/plots/figure.js'), import('/static/plots/redraw.js'),
   ]);
   const graph = document.createElement('div');
   document.body.append(graph);
@@ -193,8 +193,8 @@ def test_a_held_torque_is_steps_and_its_decimated_extremes_are_lines(
     drawn = page.evaluate(
         """async () => {
           const [{timePanels}, {Ring}, {YRanges}] = await Promise.all([
-            import('/static/panel_curves.js'), import('/static/ring.js'),
-            import('/static/y_range.js'),
+            import('/static/curves/panel_curves.js'), import('/static/curves/ring.js'),
+            import('/static/curves/y_range.js'),
           ]);
           const ring = new Ring();
           const channels = ['wild', 'calm'].map((lane) => ({lane, group: 'tau', joint: 1}));

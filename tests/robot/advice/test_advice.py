@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.advice.advice import Note, notes
+from slidetune.robot.advice.advice import Advice, advice_on
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.advice.torque_need import initial_torque, required_torque
 from slidetune.robot.errors import InvalidExperimentError
@@ -208,8 +208,10 @@ def test_sensor_noise_does_not_shake_the_margin() -> None:
     )
 
 
-def notes_of(document: dict[str, Any], lane: dict[str, Any] | None = None) -> dict[str, Note]:
-    return {note.path: note for note in notes(packed_of(document, lane), "A")}
+def advice_by_path(
+    document: dict[str, Any], lane: dict[str, Any] | None = None
+) -> dict[str, Advice]:
+    return {note.path: note for note in advice_on(packed_of(document, lane), "A")}
 
 
 SAMPLED = {"simulation": {"mode": "sampled"}}
@@ -252,18 +254,18 @@ PROPOSALS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
 
 def test_sign_is_said_to_chatter_where_it_is_sampled_and_only_there() -> None:
     sign = {**CHATTERING, "switching": "sign"}
-    assert "lanes.A.switching" in notes_of({**SAMPLED, "robot": DATASHEET}, sign)
-    assert "lanes.A.switching" not in notes_of({"robot": DATASHEET}, sign)
+    assert "lanes.A.switching" in advice_by_path({**SAMPLED, "robot": DATASHEET}, sign)
+    assert "lanes.A.switching" not in advice_by_path({"robot": DATASHEET}, sign)
 
 
 @pytest.mark.parametrize(("path", "document", "lane"), PROPOSALS)
 def test_a_note_proposes_what_removes_it(
     path: str, document: dict[str, Any], lane: dict[str, Any]
 ) -> None:
-    note = notes_of(document, lane)[path]
+    note = advice_by_path(document, lane)[path]
     assert note.patch is not None
     better = packed_of(document, lane).experiment.patched(note.patch)
-    assert path not in {other.path for other in notes(pack(better), "A")}
+    assert path not in {other.path for other in advice_on(pack(better), "A")}
 
 
 @pytest.mark.parametrize(
@@ -285,7 +287,7 @@ def test_every_proposal_is_one_that_the_experiment_takes(
     document: dict[str, Any], lane: dict[str, Any]
 ) -> None:
     packed = packed_of(document, lane)
-    found = notes(packed, "A")
+    found = advice_on(packed, "A")
     for note in found:
         assert note.message
         if note.patch is not None:
@@ -298,23 +300,25 @@ def test_saturation_at_the_start_is_told_with_the_joint() -> None:
         "robot": {"torque_limit": [150, 150, 150, 28, 28, 28], "armature": 1.0},
         "simulation": {"initial_velocity": "rest"},
     }
-    note = notes_of(document)["robot.torque_limit"]
+    note = advice_by_path(document)["robot.torque_limit"]
     assert note.level == "info"
     assert "28 N·m" in note.message
     assert "joint 4" in note.message or "joint 5" in note.message or "joint 6" in note.message
 
 
 def test_nothing_is_said_of_numbers_that_are_good() -> None:
-    assert not notes_of({}, {"law": "smc"})
+    assert not advice_by_path({}, {"law": "smc"})
     good = {"robot": DATASHEET, "simulation": {"mode": "sampled"}}
-    assert not notes_of(good, CHATTERING)
+    assert not advice_by_path(good, CHATTERING)
 
 
 def test_delay_is_named_where_it_makes_the_difference() -> None:
     lane = {"law": "computed_torque", "kp": 2000.0, "kd": 300.0}
     slow = {"mode": "sampled", "control_rate": 200.0}
-    assert not notes_of({"simulation": slow}, lane)
-    note = notes_of({"simulation": {**slow, "input_delay": 0.005}}, lane)["simulation.control_rate"]
+    assert not advice_by_path({"simulation": slow}, lane)
+    note = advice_by_path({"simulation": {**slow, "input_delay": 0.005}}, lane)[
+        "simulation.control_rate"
+    ]
     assert note.level == "warning"
     assert "γ = 1.5" in note.message
     assert "this loop's border with this delay is 0.9" in note.message
@@ -335,7 +339,7 @@ def test_the_proposed_layer_is_hardly_wider_than_it_must_be() -> None:
 def test_no_layer_is_proposed_where_the_proportional_gain_is_the_trouble() -> None:
     document = {"robot": DATASHEET, **SAMPLED}
     assert sufficient_layer(packed_of(document, {**CHATTERING, "k1": 300}), "A") is None
-    assert "lanes.A.epsilon" not in notes_of(document, {**CHATTERING, "k1": 300})
+    assert "lanes.A.epsilon" not in advice_by_path(document, {**CHATTERING, "k1": 300})
 
 
 def test_required_torque_is_what_perfect_tracking_takes() -> None:
@@ -354,7 +358,7 @@ def test_a_network_winds_up_by_as_much_a_second_as_is_told() -> None:
         "simulation": {"mode": "sampled", "horizon": 0.2, "initial_error": 0.3},
     }
     lane = {**CHATTERING, "learning_rate": 20}
-    note = notes_of(document, lane)["lanes.A.leakage"]
+    note = advice_by_path(document, lane)["lanes.A.leakage"]
     told = float(note.message.split("= ")[2].split(" N·m")[0])
     joint = int(note.message.split("joint ")[1].split()[0]) - 1
     run = simulate(packed_of(document, lane).experiment).lanes["A"]
@@ -365,14 +369,14 @@ def test_settings_of_sampled_mode_are_told_of_in_continuous_mode_alone() -> None
     noise = {"disturbance": {"sensor_noise": {"position": 1e-5, "velocity": 1e-3}}}
     paths = {"simulation.input_delay", *(f"disturbance.sensor_noise.{x}" for x in NOISES)}
     lane = {"law": "computed_torque"}
-    assert paths == set(notes_of({**DELAYED, **noise}, lane))
+    assert paths == set(advice_by_path({**DELAYED, **noise}, lane))
     sampled = {"simulation": {"mode": "sampled", "input_delay": 0.001}}
-    assert not notes_of({**noise, **sampled, "robot": DATASHEET}, lane)
+    assert not advice_by_path({**noise, **sampled, "robot": DATASHEET}, lane)
 
 
 def test_sampled_mode_is_not_proposed_where_it_would_diverge() -> None:
     document = {"simulation": {"input_delay": 0.001}}
-    assert notes_of(document, {"law": "smc"})["simulation.input_delay"].patch is None
+    assert advice_by_path(document, {"law": "smc"})["simulation.input_delay"].patch is None
 
 
 @pytest.mark.parametrize(("p", "k"), [(3, 3), (7, 3), (3, 5)])
@@ -384,7 +388,7 @@ def test_an_exponent_outside_its_bounds_is_refused_with_the_bounds(p: int, k: in
 
 def test_a_disturbance_that_the_steps_follow_is_not_told() -> None:
     slow = {"sine": {"amplitude": 5.0, "frequency": 10.0}, "noise": {"amplitude": 1.0}}
-    assert not notes_of({"disturbance": slow}, SLOW)
+    assert not advice_by_path({"disturbance": slow}, SLOW)
     # Without a torque its frequency is nobody's business.
     still = {"sine": {"amplitude": 0.0, "frequency": 100.0}}
-    assert not notes_of({"disturbance": still}, SLOW)
+    assert not advice_by_path({"disturbance": still}, SLOW)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.advice.sampled_arm import sampled_arm
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
@@ -97,7 +97,7 @@ def test_nothing_is_offered_that_is_needless_or_would_not_do(experiment: Experim
 def test_each_lane_that_diverges_is_told_of_it_once() -> None:
     packed = pack(sampled("paper"))
     for name in packed.experiment.lanes:
-        [note] = [note for note in notes(packed, name) if note.title]
+        [note] = [note for note in advice_on(packed, name) if note.title]
         assert (note.level, note.path) == ("warning", "simulation.mode")
         assert note.title == "Use the sampled arm"
         assert "every lane is unstable" in note.message

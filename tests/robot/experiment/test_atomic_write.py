@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from slidetune.robot.experiment.atomic_write import write_whole_file
+from slidetune.robot.experiment.atomic_write import atomic_write
 
 
 def refuse_links(source: str, target: Path) -> None:
@@ -22,7 +22,7 @@ def test_a_file_appears_with_all_of_its_content(
 ) -> None:
     if not links:
         monkeypatch.setattr(os, "link", refuse_links)
-    write_whole_file(tmp_path / "one", b"content", overwrite)
+    atomic_write(tmp_path / "one", b"content", overwrite)
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
     assert (tmp_path / "one").read_bytes() == b"content"
 
@@ -35,7 +35,7 @@ def test_a_name_that_is_taken_keeps_its_content(
         monkeypatch.setattr(os, "link", refuse_links)
     (tmp_path / "one").write_bytes(b"old")
     with pytest.raises(FileExistsError):
-        write_whole_file(tmp_path / "one", b"new", overwrite=False)
+        atomic_write(tmp_path / "one", b"new", overwrite=False)
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
     assert (tmp_path / "one").read_bytes() == b"old"
 
@@ -52,7 +52,7 @@ def test_a_disk_that_fails_leaves_what_was_there(
     monkeypatch.setattr(os, "link", refuse_links)
     monkeypatch.setattr(os, "replace", fail)
     with pytest.raises(OSError, match="No space left"):
-        write_whole_file(tmp_path / "one", b"new", overwrite)
+        atomic_write(tmp_path / "one", b"new", overwrite)
     left = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert left == ({"one": b"old"} if overwrite else {})
 
@@ -69,5 +69,5 @@ def test_without_hard_links_a_reader_never_meets_a_part(
 
     monkeypatch.setattr(os, "link", refuse_links)
     monkeypatch.setattr(os, "replace", look_first)
-    write_whole_file(tmp_path / "one", b"content" * 1000, overwrite=False)
+    atomic_write(tmp_path / "one", b"content" * 1000, overwrite=False)
     assert seen == [b""]

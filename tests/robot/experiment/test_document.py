@@ -136,17 +136,17 @@ def test_number_of_steps_is_bounded_by_what_counts_in_the_mode() -> None:
         (0.0, 1000.0, 10, (0, 0)),
         (0.001, 1000.0, 10, (1, 0)),
         (0.0025, 1000.0, 10, (2, 5)),
-        (0.00004, 1000.0, 10, (0, 0)),
-        (0.00996, 1000.0, 10, (10, 0)),
+        (0.00004, 1000.0, 10, (0, 0.4)),
+        (0.00996, 1000.0, 10, (9, 9.6)),
         (0.05, 10_000.0, 200, (500, 0)),
-        (0.001, 250.0, 1, (0, 0)),
+        (0.001, 250.0, 1, (0, 0.25)),
     ],
 )
 def test_delay_is_counted_in_periods_and_steps_of_the_arm(
-    delay: float, rate: float, substeps: int, expected: tuple[int, int]
+    delay: float, rate: float, substeps: int, expected: tuple[int, float]
 ) -> None:
     simulation = Simulation(input_delay=delay, control_rate=rate, plant_substeps=substeps)
-    assert simulation.delay == expected
+    assert simulation.delay == pytest.approx(expected, abs=1e-9)
 
 
 def experiment_or_refusal(document: Any) -> Experiment | InvalidExperimentError:

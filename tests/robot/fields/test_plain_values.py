@@ -59,7 +59,7 @@ def test_whole_numbers_beyond_every_float_are_infinite() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "text"), [("x" * (LONGEST_KEY + 1), "121 characters"), ("\ud800", "halves")]
+    ("key", "text"), [("x" * (LONGEST_KEY + 1), "121 characters"), ("\ud800", "surrogates")]
 )
 def test_keys_are_short_and_whole(key: str, text: str) -> None:
     with pytest.raises(UnfitError, match=text) as caught:

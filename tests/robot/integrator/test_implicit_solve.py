@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from slidetune.robot import load_preset
-from slidetune.robot.environment.disturbance import COULOMB_WIDTH, Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.external_torque import COULOMB_WIDTH
+from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.implicit_solve import SOLVED
@@ -72,7 +74,7 @@ class Drawn:
         )
         self.coulomb = random.choice([0.0, 20.0])
         self.limit = None if shaped else random.choice([None, 30.0, 300.0])
-        self.world = pack_world(Disturbance(), 2.0, self.coulomb, self.limit)
+        self.environment = pack_environment(Disturbance(), 2.0, self.coulomb, self.limit)
         self.work = work = np.zeros((WORK_ROWS, JOINTS))
         work[V], work[VD], work[AD] = random.normal(size=(3, JOINTS))
         work[S] = random.normal(size=JOINTS) * 10.0 ** random.uniform(-3, 1, JOINTS)
@@ -93,7 +95,7 @@ class Drawn:
             work[SHAPE : SHAPE + JOINTS] = self.share
         work[TAU] = self.rest + self.share @ work[REACH]
         self.before = work.copy()
-        self.left = implicit_step(self.h, CURRENT, FULL, self.M, self.bias, self.world, work)
+        self.left = implicit_step(self.h, CURRENT, FULL, self.M, self.bias, self.environment, work)
         self.a = (work[FULL + V] - work[CURRENT + V]) / self.h
 
     def needed(self) -> Array:
@@ -252,7 +254,7 @@ def test_a_shaped_law_has_the_slope_of_the_surface_at_the_end(
         # The equivalent control is behind the same inertia.
         work[TAU] = step.rest + share @ (work[REACH] + nu * de)
         before = work.copy()
-        left = implicit_step(h, CURRENT, FULL, step.M, step.bias, step.world, work)
+        left = implicit_step(h, CURRENT, FULL, step.M, step.bias, step.environment, work)
         if left > SOLVED or work[FLAGS, HELD]:
             continue
         compared += 1

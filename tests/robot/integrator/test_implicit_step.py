@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.environment.disturbance import Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
@@ -69,8 +70,8 @@ LAWS: dict[str, dict[str, Any]] = {
 
 
 def limited(limits: Any = None) -> Array:
-    """A world without friction and with torque limits."""
-    return pack_world(Disturbance(), 0.0, 0.0, limits)
+    """An environment without friction and with torque limits."""
+    return pack_environment(Disturbance(), 0.0, 0.0, limits)
 
 
 FREE = limited()

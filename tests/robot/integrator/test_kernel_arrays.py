@@ -1,4 +1,4 @@
-"""A lane's arrays behind one wiring: what is refused, and what stays alive."""
+"""A lane's arrays behind one table: what is refused, and what stays alive."""
 
 from __future__ import annotations
 
@@ -8,29 +8,30 @@ import weakref
 import numpy as np
 import pytest
 
-from slidetune.robot.environment.disturbance import LIMIT, Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.layout import LIMIT, pack_environment
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import law_arrays, loop_arrays, settings, wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table, law_arrays, loop_arrays, settings
 from slidetune.robot.integrator.stages import FIRST
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
-from tests.robot.wired import arm_of, wired
+from tests.robot.kernel_tables import arm_of, table_of
 
 Array = np.ndarray
 
 
 @kernel
-def sums(wiring):  # type: ignore[no-untyped-def]
+def sums(table):  # type: ignore[no-untyped-def]
     """Return the sum and the size of every array, as a kernel sees them."""
-    gains, nominal_inertia, nominal_bias, work = law_arrays(wiring)
-    inertia, bias, world, trajectory, _, record = loop_arrays(wiring)
+    gains, nominal_inertia, nominal_bias, work = law_arrays(table)
+    inertia, bias, environment, trajectory, _, record = loop_arrays(table)
     return (
         (inertia.sum(), inertia.size),
         (bias.sum(), bias.size),
         (nominal_inertia.sum(), nominal_inertia.size),
         (nominal_bias.sum(), nominal_bias.size),
         (gains.sum(), gains.size),
-        (world.sum(), world.size),
+        (environment.sum(), environment.size),
         (trajectory.sum(), trajectory.size),
         (work.sum(), work.size),
         (record.sum(), record.size),
@@ -38,44 +39,46 @@ def sums(wiring):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def write(wiring):  # type: ignore[no-untyped-def]
+def write(table):  # type: ignore[no-untyped-def]
     """Write one number into the workspace."""
-    _, _, _, work = law_arrays(wiring)
+    _, _, _, work = law_arrays(table)
     work[3, 4] = 7.0
 
 
 def test_a_kernel_sees_every_array_whole() -> None:
     random = np.random.default_rng(3)
     square, line = (JOINTS, JOINTS), JOINTS
-    truth, belief = (arm_of(random.normal(size=square), random.normal(size=line)) for _ in range(2))
-    world = pack_world(Disturbance(), 1.0, 2.0, None)
-    world[LIMIT] = 9.0
-    rest = [random.normal(size=shape) for shape in ((9, JOINTS), world.shape, 23)]
+    truth, nominal = (
+        arm_of(random.normal(size=square), random.normal(size=line)) for _ in range(2)
+    )
+    environment = pack_environment(Disturbance(), 1.0, 2.0, None)
+    environment[LIMIT] = 9.0
+    rest = [random.normal(size=shape) for shape in ((9, JOINTS), environment.shape, 23)]
     work, record = random.normal(size=(WORK_ROWS, JOINTS)), random.normal(size=(7, RECORD_COLUMNS))
-    wiring = wire(truth, belief, *rest, work, record, FIRST, 0.25)
-    arrays = [truth.inertia, truth.bias, belief.inertia, belief.bias, *rest, work, record]
-    for (total, size), array in zip(sums(wiring), arrays, strict=True):
+    table = kernel_table(truth, nominal, *rest, work, record, FIRST, 0.25)
+    arrays = [truth.inertia, truth.bias, nominal.inertia, nominal.bias, *rest, work, record]
+    for (total, size), array in zip(sums(table), arrays, strict=True):
         assert size == array.size
         assert total == pytest.approx(array.sum())
-    assert settings(wiring) == (FIRST, 0.25, 1.0)
+    assert settings(table) == (FIRST, 0.25, 1.0)
 
 
 def test_what_a_kernel_writes_is_in_the_array() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
-    wiring = wired(work)
-    write(wiring)
+    table = table_of(work)
+    write(table)
     assert work[3, 4] == 7.0
     assert work.sum() == 7.0
 
 
 def test_arrays_live_as_long_as_their_wiring() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
-    alive, wiring = weakref.ref(work), wired(work)
+    alive, table = weakref.ref(work), table_of(work)
     del work
     gc.collect()
     assert alive() is not None
-    write(wiring)
-    del wiring
+    write(table)
+    del table
     gc.collect()
     assert alive() is None
 
@@ -88,7 +91,7 @@ def test_arrays_live_as_long_as_their_wiring() -> None:
         {"work": np.zeros((WORK_ROWS, 2 * JOINTS))[:, ::2]},
         {"record": np.zeros((5, RECORD_COLUMNS + 1))},
         {"gains": np.zeros((4, JOINTS - 1))},
-        {"world": np.zeros((3, JOINTS))},
+        {"environment": np.zeros((3, JOINTS))},
         {"trajectory": np.zeros((4, 2))},
         {"arm": arm_of(np.zeros((JOINTS, JOINTS - 1)), np.zeros(JOINTS))},
         {"arm": arm_of(np.eye(JOINTS), np.zeros(JOINTS - 1))},
@@ -96,4 +99,4 @@ def test_arrays_live_as_long_as_their_wiring() -> None:
 )
 def test_what_a_kernel_would_misread_is_refused(wrong: dict[str, Array]) -> None:
     with pytest.raises(ValueError, match="one block of float64 of shape"):
-        wired(**wrong)
+        table_of(**wrong)

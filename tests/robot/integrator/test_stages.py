@@ -9,7 +9,8 @@ import pytest
 from slidetune.robot.arm.arm import build_model
 from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.arm.section import Robot
-from slidetune.robot.environment.disturbance import LIMIT, Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.layout import LIMIT, pack_environment
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
@@ -37,7 +38,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.motion.trajectory import HoldTrajectory, pack_trajectory
-from tests.robot.wired import arm_of, wired
+from tests.robot.kernel_tables import arm_of, table_of
 
 Array = np.ndarray
 
@@ -46,17 +47,17 @@ def fall(step: float, viscous: float = 0.0, torque: float = 0.0) -> tuple[Array,
     """Let the arm go; return its energy [J] at every step and the last workspace."""
     model = build_model(Robot())
     data = model.createData()
-    world = pack_world(Disturbance(), viscous, 0.0, None)
+    environment = pack_environment(Disturbance(), viscous, 0.0, None)
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[APPLIED] = (0.1, 0.9, -0.4, 0.3, 0.8, 0.2), torque
     arm = dynamics(model, work[Q], work[V])
-    wiring = wired(work, arm=arm, world=world, step=step)
+    table = table_of(work, arm=arm, environment=environment, step=step)
     energy = []
     for number in range(round(0.2 / step)):
         q, v = work[Q].copy(), work[V].copy()
         energy.append(pin.computeMechanicalEnergy(model, data, q, v))
         arm.refill()
-        assert plant_step(number * step, wiring) == 0
+        assert plant_step(number * step, table) == 0
     return np.array(energy), work
 
 
@@ -80,8 +81,8 @@ def test_viscous_friction_takes_energy_away() -> None:
 def test_plant_step_leaves_the_weights() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[W : W + NODES] = 7.0
-    wiring = wired(work, arm=arm_of(np.eye(JOINTS), np.ones(JOINTS)), step=1e-3)
-    assert plant_step(0.0, wiring) == 0
+    table = table_of(work, arm=arm_of(np.eye(JOINTS), np.ones(JOINTS)), step=1e-3)
+    assert plant_step(0.0, table) == 0
     assert (work[W : W + NODES] == 7.0).all()
     np.testing.assert_allclose(work[V], -1e-3)
     np.testing.assert_allclose(work[Q], -1e-6)
@@ -93,7 +94,7 @@ def test_network_learns_once_a_control_period() -> None:
     hidden, weights = random.normal(size=(2, NODES, JOINTS))
     work[HIDDEN : HIDDEN + NODES], work[W : W + NODES] = hidden, weights
     work[S], work[LEARNING], work[LEAKAGE] = random.normal(size=JOINTS), 3.0, 2.0
-    assert command(1, wired(work, record=record, step=0.004)) == 0
+    assert command(1, table_of(work, record=record, step=0.004)) == 0
     expected = weights + 0.004 * (3.0 * hidden * work[S] - 2.0 * weights)
     np.testing.assert_allclose(work[W : W + NODES], expected, rtol=1e-12)
 
@@ -101,10 +102,10 @@ def test_network_learns_once_a_control_period() -> None:
 def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
     work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((1, RECORD_COLUMNS))
     limits = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    world = pack_world(Disturbance(), 0.0, 0.0, limits)
-    np.testing.assert_array_equal(world[LIMIT], limits)
+    environment = pack_environment(Disturbance(), 0.0, 0.0, limits)
+    np.testing.assert_array_equal(environment[LIMIT], limits)
     work[TAU] = (-9, 9, 2, -2, 9, -9)
-    assert command(0, wired(work, world=world, record=record, step=0.001)) == 0
+    assert command(0, table_of(work, environment=environment, record=record, step=0.001)) == 0
     expected = (-1, 2, 2, -2, 5, -6)
     np.testing.assert_array_equal(work[TAU], expected)
     np.testing.assert_array_equal(record[0, 2 * JOINTS : 3 * JOINTS], expected)
@@ -114,7 +115,7 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
 def test_a_torque_that_is_no_number_names_its_joint(value: float) -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[TAU, 3] = value
-    assert command(0, wired(work, step=0.001)) == 4
+    assert command(0, table_of(work, step=0.001)) == 4
 
 
 def test_a_record_holds_the_columns_that_it_names() -> None:
@@ -136,9 +137,9 @@ def test_a_record_holds_the_columns_that_it_names() -> None:
 def test_a_record_is_of_the_current_state_and_of_its_own_row() -> None:
     work = np.random.default_rng(3).normal(size=(WORK_ROWS, JOINTS))
     record = np.zeros((3, RECORD_COLUMNS))
-    world = pack_world(Disturbance(), 0.0, 0.0, 1.0)
+    environment = pack_environment(Disturbance(), 0.0, 0.0, 1.0)
     work[TAU] = (-9.0, 9.0, 0.5, -0.5, 1.0, 2.0)
-    write_record(1, world, work, record)
+    write_record(1, environment, work, record)
     weights = np.linalg.norm(work[W : W + NODES], axis=0)
     expected = (work[Q], work[V], np.clip(work[TAU], -1.0, 1.0), work[S], work[NETWORK], weights)
     found = record[1].reshape(len(RECORD), JOINTS)
@@ -153,9 +154,12 @@ def test_a_step_of_the_arm_is_linearly_implicit_in_its_friction(step: float) -> 
     M, bias = root @ root.T + np.eye(JOINTS), random.normal(size=JOINTS)
     work = random.normal(size=(WORK_ROWS, JOINTS))
     viscous = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    world = pack_world(Disturbance(constant=0.7), viscous, 0.0, None)
+    environment = pack_environment(Disturbance(constant=0.7), viscous, 0.0, None)
     q, v, push, applied = (work[row].copy() for row in (Q, V, PUSH, APPLIED))
-    assert plant_step(0.0, wired(work, arm=arm_of(M, bias), world=world, step=step)) == 0
+    assert (
+        plant_step(0.0, table_of(work, arm=arm_of(M, bias), environment=environment, step=step))
+        == 0
+    )
     lost = bias + 0.7 + np.multiply(viscous, v) - push
     faster = v + step * np.linalg.solve(M + step * np.diag(viscous), applied - lost)
     np.testing.assert_allclose(work[V], faster, rtol=1e-9)
@@ -165,7 +169,7 @@ def test_a_step_of_the_arm_is_linearly_implicit_in_its_friction(step: float) -> 
 def test_a_controller_sees_the_state_as_it_is_without_noise() -> None:
     work = np.random.default_rng(2).normal(size=(WORK_ROWS, JOINTS))
     pose = HoldTrajectory(position=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6))
-    observe(3.0, 7, wired(work, trajectory=pack_trajectory(pose)))
+    observe(3.0, 7, table_of(work, trajectory=pack_trajectory(pose)))
     np.testing.assert_array_equal(work[MEASURED_Q], work[Q])
     np.testing.assert_array_equal(work[MEASURED_V], work[V])
     np.testing.assert_allclose(work[QD], pose.position)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from slidetune.robot.environment.disturbance import Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.implicit_solve import SOLVED, solve_curves
 from slidetune.robot.integrator.tangent import TANGENT, fill, follow_tanh, is_smooth, tangents_hold
@@ -31,7 +32,7 @@ class Step:
     def __init__(self, seed: int) -> None:
         self.drawn = Drawn(seed, "tanh", "exponential")
         self.work = self.drawn.before.copy()
-        self.world = pack_world(Disturbance(), 2.0, 0.0, None)
+        self.environment = pack_environment(Disturbance(), 2.0, 0.0, None)
         self.work[F], self.work[F_SLOPE] = 2.0 * self.work[V], 2.0
         fill(self.drawn.h, CURRENT, self.drawn.M, self.drawn.bias, self.work)
         solve_symmetric(self.work)
@@ -40,7 +41,7 @@ class Step:
         """Return the acceleration by the curves themselves in [rad/s^2]. Shape (6,)."""
         step, work = self.drawn, self.work.copy()
         work[ACCELERATION] = work[RIGHT]
-        left = solve_curves(step.h, CURRENT, step.M, step.bias, self.world, work)
+        left = solve_curves(step.h, CURRENT, step.M, step.bias, self.environment, work)
         assert left <= SOLVED
         return work[ACCELERATION]
 
@@ -53,12 +54,12 @@ def test_tangents_that_hold_solve_the_curves() -> None:
     held = followed = 0
     for seed in range(600):
         step = Step(seed)
-        smooth = is_smooth(step.drawn.h, step.world, step.work)
-        holds = tangents_hold(step.drawn.h, CURRENT, step.drawn.M, step.world, step.work)
+        smooth = is_smooth(step.drawn.h, step.environment, step.work)
+        holds = tangents_hold(step.drawn.h, CURRENT, step.drawn.M, step.environment, step.work)
         # The bound is the coarser question.
         assert holds or not smooth, seed
         if not holds:
-            rest = (step.drawn.M, step.drawn.bias, step.world, step.work)
+            rest = (step.drawn.M, step.drawn.bias, step.environment, step.work)
             holds = follow_tanh(step.drawn.h, *rest)
             followed += holds
         held += holds
@@ -77,6 +78,6 @@ def test_who_passes_through_the_layer_is_left_to_the_curves() -> None:
         end = step.work[S_FREE] - step.work[S_FALL] * step.curves()
         if np.abs(end - step.work[S]).max() > 1.001 * step.drawn.gains.epsilon:
             passed += 1
-            rest = (step.drawn.M, step.drawn.bias, step.world, step.work)
+            rest = (step.drawn.M, step.drawn.bias, step.environment, step.work)
             assert not follow_tanh(step.drawn.h, *rest), seed
     assert passed > 50

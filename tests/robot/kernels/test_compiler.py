@@ -14,11 +14,10 @@ import numba
 import pytest
 
 from slidetune import robot
-from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.kernels import compiler
 from slidetune.robot.kernels.compiler import CACHE, is_warm, kernel
 from slidetune.robot.laws.terms.switching import switch
-from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.loop.warmup import warm_up
 
 FOLDER = Path(robot.__file__).parent
 KERNEL_FILES = [
@@ -79,8 +78,8 @@ def test_division_by_zero_is_no_error() -> None:
     assert divided(1.0, 0.0) == float("inf")
 
 
-def test_a_run_leaves_the_kernels_warm() -> None:
-    simulate(Experiment.from_document({"simulation": {"horizon": 0.1}}))
+def test_warming_up_leaves_the_kernels_warm() -> None:
+    warm_up()
     assert is_warm()
     assert CACHE.is_dir()
 

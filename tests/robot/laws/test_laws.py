@@ -37,7 +37,7 @@ from slidetune.robot.laws.terms.network import no_network
 from slidetune.robot.laws.terms.surface import LinearSurface, linear_surface
 from slidetune.robot.loop.simulate import LaneRun, simulate
 from slidetune.robot.margins.margin import sampling_margin
-from tests.robot.wired import arm_of, wired
+from tests.robot.kernel_tables import arm_of, table_of
 
 Array = np.ndarray
 COLUMNS = ("q", "v", "tau", "S", "f", "weights")
@@ -122,9 +122,9 @@ def test_registry_is_by_name_and_each_lane_knows_its_law() -> None:
 def test_flags_of_a_law_say_what_it_does() -> None:
     for name, law in LAWS.items():
         exact = run(gains_of(name))
-        believed = document(gains_of(name))
-        believed["disturbance"]["nominal_mismatch"] = 1.0
-        other = simulate(Experiment.from_document(believed)).lanes["A"]
+        nominal = document(gains_of(name))
+        nominal["disturbance"]["nominal_mismatch"] = 1.0
+        other = simulate(Experiment.from_document(nominal)).lanes["A"]
         assert same(exact, other) != law.model_based
         assert exact.weights.any() == law.network
 
@@ -185,7 +185,7 @@ def evaluated(lane: dict[str, Any], q: Array, v: Array) -> Array:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
     gains = LAWS[lane["law"]].lane.model_validate(lane).pack()
-    assert LAWS[lane["law"]].sample(0.0, 0, 0, wired(work, arm=arm, gains=gains)) == 0
+    assert LAWS[lane["law"]].sample(0.0, 0, 0, table_of(work, arm=arm, gains=gains)) == 0
     return work
 
 
@@ -252,21 +252,21 @@ def toy_control(gains, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def toy_step(t, row, wiring):  # type: ignore[no-untyped-def]
+def toy_step(t, row, table):  # type: ignore[no-untyped-def]
     """One stage of continuous mode."""
-    gains, _, _, work = law_arrays(wiring)
-    begin(t, wiring)
+    gains, _, _, work = law_arrays(table)
+    begin(t, table)
     toy_control(gains, work)
-    return finish(row, wiring)
+    return finish(row, table)
 
 
 @kernel
-def toy_sample(t, number, row, wiring):  # type: ignore[no-untyped-def]
+def toy_sample(t, number, row, table):  # type: ignore[no-untyped-def]
     """One control period of sampled mode."""
-    gains, _, _, work = law_arrays(wiring)
-    observe(t, number, wiring)
+    gains, _, _, work = law_arrays(table)
+    observe(t, number, table)
     toy_control(gains, work)
-    return command(row, wiring)
+    return command(row, table)
 
 
 TOY = Law("toy", "Toy", "τ = g(de + λe)", Toy, toy_step, toy_sample, False, False)

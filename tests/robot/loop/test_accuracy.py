@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import random
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ from slidetune.robot import load_preset
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.accuracy import GOOD, difference, judge, second_run
 from slidetune.robot.loop.simulate import LaneRun, simulate
+from tests.reference.sampled import solve_sampled
 
 HARSH: dict[str, Any] = {"law": "computed_torque", "kp": 9000.0, "kd": 0.2}
 
@@ -52,7 +55,7 @@ def test_a_sampled_run_is_judged_as_well() -> None:
         assert error <= 3.0 * found.accuracy.error_estimate <= 30.0 * error
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.001, 0.0003, 0.00025, 0.0104])
+@pytest.mark.parametrize("delay", [0.0, 0.001, 0.0003, 0.00025, 0.0104, 0.00104])
 @pytest.mark.parametrize("substeps", [1, 2, 5, 10])
 def test_the_second_run_holds_the_same_delay(delay: float, substeps: int) -> None:
     simulation = {"mode": "sampled", "input_delay": delay, "plant_substeps": substeps}
@@ -60,12 +63,66 @@ def test_the_second_run_holds_the_same_delay(delay: float, substeps: int) -> Non
     second, stride, _ = second_run(first)
     assert stride == 1
     assert second.simulation.plant_substeps != substeps
-    (whole, part), (other_whole, other_part) = first.simulation.delay, second.simulation.delay
-    lasts = whole + part / substeps
-    others = other_whole + other_part / second.simulation.plant_substeps
-    wanted = delay * first.simulation.control_rate
-    # As the first has it, or nearer to what was asked for.
-    assert abs(others - wanted) <= abs(lasts - wanted) + 1e-12
+    for simulation in (first.simulation, second.simulation):
+        whole, part = simulation.delay
+        late = (whole + part / simulation.plant_substeps) / simulation.control_rate
+        assert late == pytest.approx(delay, abs=1e-12)
+
+
+def late_experiment(dice: random.Random) -> Experiment:
+    """Draw a sampled loop of one lane: rate, steps of the arm, and a delay of any length."""
+
+    def placed(low: float, high: float) -> float:
+        return math.exp(dice.uniform(math.log(low), math.log(high)))
+
+    rate = placed(50.0, 1000.0)
+    lane = dice.choice(
+        [
+            {"law": "smc", "k1": placed(0.5, 50.0), "k2": placed(0.1, 10.0), "epsilon": 0.5},
+            {"law": "computed_torque", "kp": placed(10.0, 200.0), "kd": placed(2.0, 20.0)},
+            {"law": "nftsm", "nu": 5.0, "k1": placed(0.5, 20.0), "k2": 1.0, "epsilon": 0.5},
+        ]
+    )
+    simulation = {
+        "mode": "sampled",
+        "control_rate": rate,
+        "plant_substeps": dice.choice([1, 2, 3, 4, 5, 10, 20]),
+        "input_delay": dice.choice([dice.uniform(0.0, 1.5 / rate), placed(1e-5, 0.02)]),
+        "horizon": 0.3,
+        "initial_error": dice.choice([0.0, 0.05]),
+    }
+    robot = {"armature": 0.5, "viscous_friction": 2.0, "coulomb_friction": 2.0}
+    document = {"lanes": {"A": lane}, "robot": robot, "simulation": simulation}
+    return Experiment.from_document(document)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_the_estimate_holds_whatever_the_delay_is_in_steps_of_the_arm(seed: int) -> None:
+    experiment = late_experiment(random.Random(seed))
+    found, truth = lane_of(experiment), solve_sampled(experiment.document())
+    error = difference(found.q, truth)
+    assert 1e-8 < error <= 3.0 * found.accuracy.error_estimate <= 30.0 * error
+
+
+@pytest.mark.parametrize(("rate", "substeps", "delay"), [(333.0, 2, 0.0013), (1000.0, 10, 0.00104)])
+def test_a_delay_within_a_step_of_the_arm_is_no_error(
+    rate: float, substeps: int, delay: float
+) -> None:
+    patch = {
+        "simulation": {
+            "control_rate": rate,
+            "plant_substeps": substeps,
+            "input_delay": delay,
+            "horizon": 1.0,
+        },
+        "disturbance": {"sensor_noise": {"position": 0.0, "velocity": 0.0}},
+    }
+    experiment = load_preset("realistic").patched(patch)
+    fine = experiment.patched({"simulation": {"plant_substeps": 20 * substeps}})
+    truth = simulate(fine, estimate=False)
+    for name, lane in simulate(experiment).lanes.items():
+        error = difference(lane.q, truth.lanes[name].q)
+        assert error <= 3.0 * lane.accuracy.error_estimate, name
 
 
 def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:

@@ -126,7 +126,7 @@ def test_a_step_depends_on_nothing_but_the_state(law: str, mode: str) -> None:
 def test_a_stage_that_fails_ends_its_step(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[float] = []
 
-    def stage(t: float, row: int, wiring: Array) -> int:
+    def stage(t: float, row: int, table: Array) -> int:
         asked.append(t)
         return 3 if len(asked) >= failing else 0
 
@@ -163,10 +163,10 @@ def test_a_sampled_law_believes_in_its_own_arm_at_what_it_measures(
     for number in range(3):
         assert lane.step(number * 1e-3, number, number) == 0
     work = lane.work
-    belief = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
-    belief.refill()
+    nominal = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
+    nominal.refill()
     e, de = work[QD] - work[MEASURED_Q], work[VD] - work[MEASURED_V]
-    expected = belief.inertia @ (work[AD] + 40.0 * de + 400.0 * e) + belief.bias
+    expected = nominal.inertia @ (work[AD] + 40.0 * de + 400.0 * e) + nominal.bias
     np.testing.assert_allclose(work[TAU], expected, rtol=1e-9, atol=1e-9)
 
 
@@ -250,7 +250,6 @@ def test_torques_on_their_way_obey_a_new_limit() -> None:
     packed = packed_of(document)
     lane = lane_of(packed)
     stepped(lane, packed, 20)
-    assert lane.commands is not None
     assert np.abs(lane.commands).max() > 5.0
     lane.adopt(pack(packed.experiment.patched({"robot": {"torque_limit": 5.0}})))
     assert np.abs(lane.commands).max() <= 5.0
@@ -273,7 +272,6 @@ def test_a_loop_that_becomes_sampled_begins_with_the_torque_it_had() -> None:
     packed = packed_of({"lanes": {"A": {"law": "smc", "k1": 2.0, "k2": 0.0}}})
     lane = lane_of(packed)
     stepped(lane, packed, 20)
-    assert lane.commands is not None
     assert not lane.commands.size
     sampled = {"mode": "sampled", "input_delay": 0.003}
     lane.adopt(pack(packed.experiment.patched({"simulation": sampled})))

@@ -80,7 +80,7 @@ def preview(served: Served, **body: Any) -> tuple[Body, dict[str, Array]]:
 
 def solo(served: Served) -> Body:
     """Return the live experiment with its last lane alone."""
-    document = served.studio.document.experiment.document()
+    document = served.app_state.document.experiment.document()
     return {**document, "lanes": {"NFTSM": document["lanes"]["NFTSM"]}}
 
 
@@ -111,7 +111,7 @@ def wait_for(condition: Callable[[], object], what: str) -> None:
 
 def wait_until_running(served: Served) -> None:
     """Wait until a worker has a task."""
-    workers = served.studio.workers
+    workers = served.app_state.workers
     wait_for(lambda: any(workers._flags), "a task in a worker")
 
 
@@ -133,7 +133,7 @@ def asked(background: ThreadPoolExecutor, served: Served, **body: Any) -> Future
 
 
 def test_metrics_are_those_of_simulate(served: Served) -> None:
-    experiment = served.studio.document.experiment.patched(SHORT)
+    experiment = served.app_state.document.experiment.patched(SHORT)
     head, lanes = preview(served, patch=SHORT)
     run = simulate(experiment)
     assert (head["quick"], head["horizon"]) == (False, 1.0)
@@ -151,7 +151,7 @@ def test_metrics_are_those_of_simulate(served: Served) -> None:
 
 
 def test_columns_run_over_the_horizon_and_keep_every_peak(served: Served) -> None:
-    run = simulate(served.studio.document.experiment.patched(SHORT))
+    run = simulate(served.app_state.document.experiment.patched(SHORT))
     _, lanes = preview(served, patch=SHORT)
     for name, (time_, *columns) in lanes.items():
         assert (time_[0], time_[-1]) == (0.0, 1.0)
@@ -187,12 +187,12 @@ def test_a_quick_run_has_no_estimate_and_an_exact_one_after_it_has(served: Serve
 
 
 def test_a_patch_is_tried_without_changing_the_live_document(served: Served) -> None:
-    revision = served.studio.document.revision
+    revision = served.app_state.document.revision
     plain, _ = preview(served, patch=SHORT)
     nu = {"lanes": {"NFTSM": {"nu": 30}}}
     other, _ = preview(served, patch={**SHORT, **nu})
-    assert plain["revision"] == other["revision"] == revision == served.studio.document.revision
-    tried = simulate(served.studio.document.experiment.patched({**SHORT, **nu})).lanes["NFTSM"]
+    assert plain["revision"] == other["revision"] == revision == served.app_state.document.revision
+    tried = simulate(served.app_state.document.experiment.patched({**SHORT, **nu})).lanes["NFTSM"]
     assert other["lanes"][2]["metrics"]["mae"] == pytest.approx(tried.metrics.mae.tolist())
     assert other["lanes"][2]["metrics"] != plain["lanes"][2]["metrics"]
     assert plain["lanes"][0]["metrics"] == other["lanes"][0]["metrics"]
@@ -205,7 +205,7 @@ def test_a_bad_value_is_refused_by_name(served: Served) -> None:
 
 
 def test_a_diverged_lane_says_when_where_and_why_and_only_its_columns_end(served: Served) -> None:
-    calm = served.studio.document.experiment.patched({**CALM, **SHORT}).document()
+    calm = served.app_state.document.experiment.patched({**CALM, **SHORT}).document()
     wild = {**calm["lanes"]["RBFNN-NFTSM"], "k1": 1000.0}
     document = {**calm, "lanes": {**calm["lanes"], "Wild": wild}}
     document["simulation"]["mode"] = "sampled"
@@ -230,7 +230,7 @@ def test_a_diverged_lane_says_when_where_and_why_and_only_its_columns_end(served
 
 
 def test_paths_are_drawn_in_the_scene_left_there_and_taken_away(served: Served) -> None:
-    paths = served.studio.view.scene._responses
+    paths = served.app_state.view.scene._responses
     preview(served, patch=SHORT, show=True)
     wait_for(lambda: paths._drawn == 3, "three paths in the scene")
     preview(served, patch=SHORT)
@@ -278,7 +278,7 @@ def test_a_client_that_leaves_stops_its_run(served: Served) -> None:
     wait_until_running(served)
     assert left.wait(WAIT)
     thread.join(WAIT)
-    wait_for(lambda: not any(served.studio.workers._flags), "the end of the run")
+    wait_for(lambda: not any(served.app_state.workers._flags), "the end of the run")
 
 
 def test_a_killed_worker_costs_at_most_the_answer_it_owed(
@@ -286,8 +286,8 @@ def test_a_killed_worker_costs_at_most_the_answer_it_owed(
 ) -> None:
     owed = asked(background, served, patch={**CALM, **SLOW})
     wait_until_running(served)
-    wait_for(served.studio.workers.processes, "a worker process")
-    for process in served.studio.workers.processes():
+    wait_for(served.app_state.workers.processes, "a worker process")
+    for process in served.app_state.workers.processes():
         os.kill(process, signal.SIGKILL)
     answer = owed.result(WAIT)
     assert answer.status_code in {200, 503}
@@ -295,7 +295,7 @@ def test_a_killed_worker_costs_at_most_the_answer_it_owed(
         assert answer.json()["error"]["code"] == "worker_lost"
     head, _ = preview(served, patch={**SHORT, "lanes": {"NFTSM": {"nu": 7}}})
     expected = simulate(
-        served.studio.document.experiment.patched({**SHORT, "lanes": {"NFTSM": {"nu": 7}}})
+        served.app_state.document.experiment.patched({**SHORT, "lanes": {"NFTSM": {"nu": 7}}})
     )
     measured = head["lanes"][2]["metrics"]["mae"]
     assert measured == pytest.approx(expected.lanes["NFTSM"].metrics.mae.tolist())
@@ -305,7 +305,7 @@ def test_a_killed_worker_costs_at_most_the_answer_it_owed(
 
 
 def test_a_drag_s_coarser_runs_are_made_before_it_begins(served: Served) -> None:
-    known = served.studio.previews._known
+    known = served.app_state.previews._known
     known.clear()
     preview(served, patch=SHORT, client="hand")
     end = time.monotonic() + WAIT
@@ -317,14 +317,14 @@ def test_a_drag_s_coarser_runs_are_made_before_it_begins(served: Served) -> None
 
 def test_a_strip_tries_a_knob_along_its_track(served: Served) -> None:
     served.http.patch("/api/experiment", json=SHORT)
-    experiment = served.studio.document.experiment
+    experiment = served.app_state.document.experiment
     rows = lines(served, "strip", lane="NFTSM", field="nu", count=4)
     assert [row["value"] for row in rows] == pytest.approx(
         knob(experiment, "NFTSM", "nu").positions(4).tolist()
     )
     for row, trial in zip(rows, strip(experiment, "NFTSM", "nu", 4), strict=True):
         assert (row["name"], row["patch"]) == ("nu", trial.patch)
-        assert row["revision"] == served.studio.document.revision
+        assert row["revision"] == served.app_state.document.revision
         assert_same_figures(row, figures(experiment, "NFTSM", trial.patch))
 
 
@@ -339,7 +339,7 @@ def test_a_strip_of_six_shares_keeps_their_proportion_within_the_bounds(served: 
 
 def test_sensitivity_begins_with_the_present_and_turns_every_knob_both_ways(served: Served) -> None:
     served.http.patch("/api/experiment", json=SHORT)
-    experiment = served.studio.document.experiment
+    experiment = served.app_state.document.experiment
     first, *rows = lines(served, "sensitivity", lane="NFTSM", change=0.1)
     assert (first["present"], first["patch"]) == (True, {})
     turned = [k.field for k in knobs(experiment, "NFTSM") if np.any(k.value)]
@@ -352,7 +352,7 @@ def test_sensitivity_begins_with_the_present_and_turns_every_knob_both_ways(serv
 
 def test_switching_runs_along_the_layer_and_then_through_the_functions(served: Served) -> None:
     served.http.patch("/api/experiment", json=SHORT)
-    experiment = served.studio.document.experiment
+    experiment = served.app_state.document.experiment
     rows = lines(served, "switching", lane="RBFNN-NFTSM")
     curve, functions = rows[: len(EPSILONS)], rows[len(EPSILONS) :]
     assert [row["value"] for row in curve] == pytest.approx(EPSILONS.tolist())

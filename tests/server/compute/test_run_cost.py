@@ -34,7 +34,7 @@ def test_what_would_take_the_workers_for_minutes_is_refused_with_its_cost(
     assert field["path"] == "simulation.plant_substeps"
     assert "20,000,000 steps of the arm" in field["message"]
     assert "at most 2,000,000" in field["message"]
-    assert not any(served.studio.workers._flags)
+    assert not any(served.app_state.workers._flags)
 
 
 def test_the_longest_run_at_the_usual_substeps_is_not_refused_and_a_quick_one_never() -> None:

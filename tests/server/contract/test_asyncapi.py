@@ -127,7 +127,7 @@ def test_what_goes_over_a_real_socket_is_what_it_describes(served: Served) -> No
                 socket.send(json.dumps({**message["examples"][0]["payload"], "id": name}))
         socket.send(json.dumps({"type": "speed", "speed": 99}))
         socket.send(json.dumps({"type": "play"}))
-        served.studio.session.on_notice("Something happened.")
+        served.app_state.session.on_notice("Something happened.")
         while seen != wanted:
             assert time.monotonic() < end, f"no {wanted - seen} came"
             raw = socket.recv(timeout=15.0)
@@ -167,4 +167,4 @@ def test_the_script_on_its_page_runs(served: Served) -> None:
             )
         finally:
             process.kill()
-    assert served.studio.document.experiment.lanes["NFTSM"].nu == 30
+    assert served.app_state.document.experiment.lanes["NFTSM"].nu == 30

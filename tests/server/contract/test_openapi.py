@@ -27,7 +27,7 @@ SHORT = {"lanes": LANES, "simulation": {"horizon": 0.2, "step": 0.002}}
 def described(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """Start a server of its own: what is tried here changes whatever it can."""
     with serving(tmp_path_factory.mktemp("presets")) as served:
-        served.studio.document.replace(Experiment.from_document(SHORT))
+        served.app_state.document.replace(Experiment.from_document(SHORT))
         yield served
 
 

@@ -70,7 +70,7 @@ def test_at_most_twenty_fields_are_told() -> None:
     ],
 )
 def test_a_client_that_sends_nonsense_is_answered_and_goes_on(served: Served, message: str) -> None:
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     with connect(served.live, proxy=None) as other, connect(served.live, proxy=None) as socket:
         socket.send(message)
         error = heard(socket, "error")
@@ -81,7 +81,7 @@ def test_a_client_that_sends_nonsense_is_answered_and_goes_on(served: Served, me
             pass
         while heard(other, "state")["speed"] != 2.0:
             pass
-    assert served.studio.document.revision == before
+    assert served.app_state.document.revision == before
 
 
 @pytest.mark.parametrize("body", [b"\xff", b"{", b"[" * 100_000, b'{"a": 1' + b"0" * 5000 + b"}"])

@@ -80,7 +80,7 @@ def here(folder: Path) -> Iterator[Served]:
     presets = folder / "presets"
     presets.mkdir()
     with serving(presets) as server:
-        text = experiment_to_yaml(server.studio.document.experiment)
+        text = experiment_to_yaml(server.app_state.document.experiment)
         for name in ("secret", "secret.yaml"):
             (folder / name).write_text(f"# {SECRET}\n{text}", encoding="utf-8")
         yield server
@@ -110,7 +110,7 @@ def test_no_name_leads_out_of_its_folder(
     here: Served, folder: Path, method: str, place: str, climb: str
 ) -> None:
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    revision = here.studio.document.revision
+    revision = here.app_state.document.revision
     path = place.format(climb.replace("{folder}", str(folder)))
     status, headers, body = raw(here, method, path)
     assert status in (307, 400, 404, 405, 409, 422)
@@ -120,7 +120,7 @@ def test_no_name_leads_out_of_its_folder(
     if status != 400 and status != 307 and not path.startswith("/scene/"):
         assert set(json.loads(body)) == {"error"}
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
-    assert here.studio.document.revision == revision
+    assert here.app_state.document.revision == revision
 
 
 def test_the_table_would_notice_a_file_that_is_served(here: Served, folder: Path) -> None:
@@ -230,7 +230,7 @@ def test_every_kind_of_answer_carries_the_security_headers(
     answers = {
         "page": ask("GET", "/"),
         "head": ask("HEAD", "/static/main.js"),
-        "file": ask("GET", "/static/style.css"),
+        "file": ask("GET", "/static/screen/style.css"),
         "JSON": ask("GET", "/api/session"),
         "YAML": ask("GET", "/api/experiment?format=yaml"),
         "numbers": ask("POST", "/api/preview", json={"quick": True}),
@@ -249,7 +249,7 @@ def test_every_kind_of_answer_carries_the_security_headers(
     }
     seen = ask("GET", "/static/main.js").headers["etag"]
     answers["not modified"] = ask("GET", "/static/main.js", headers={"if-none-match": seen})
-    monkeypatch.setattr(served.studio, "health", fail)
+    monkeypatch.setattr(served.app_state, "health", fail)
     answers["mistake"] = ask("GET", "/api/health")
     kinds = {answer.status_code for answer in answers.values()}
     assert kinds >= {200, 304, 307, 403, 404, 405, 413, 422, 500}

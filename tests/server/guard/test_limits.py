@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from slidetune.robot.experiment.presets import preset_store, save_preset
-from slidetune.server.guard.concurrency_limit import Seats
+from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import (
     MAX_BODY,
     MAX_MESSAGE,
@@ -25,10 +25,10 @@ from slidetune.server.guard.limits import (
     TooManyPresetsError,
     limits_document,
 )
-from slidetune.server.guard.token_bucket import Allowance
+from slidetune.server.guard.token_bucket import TokenBucket
 from slidetune.server.routes import live
 from slidetune.server.state import hub
-from slidetune.server.state.preset_quota import save_if_room
+from slidetune.server.state.preset_quota import save_within_quota
 from tests.server.conftest import Served, serving
 
 BODY_ROUTES = [
@@ -131,7 +131,7 @@ def test_a_body_of_unknown_size_is_refused_where_it_gets_too_large(
         for _ in range(2 * MAX_BODY // 4096):
             yield b" " * 4096
 
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     headers = {"content-type": "application/json"}
     try:
         answer = served.http.request(method, path, content=growing(), headers=headers)
@@ -143,7 +143,7 @@ def test_a_body_of_unknown_size_is_refused_where_it_gets_too_large(
     else:
         assert path in ("/api/presets/paper/load", "/api/history/1/restore") or method == "DELETE"
         return
-    assert served.studio.document.revision == before
+    assert served.app_state.document.revision == before
 
 
 def test_the_largest_body_is_still_read(served: Served) -> None:
@@ -160,7 +160,7 @@ def test_a_client_that_floods_is_told_so_and_may_send_again(
     # Slow enough that the speed of this machine decides nothing.
     monkeypatch.setattr(live, "CLIENT_RATE", 2.0)
     monkeypatch.setattr(live, "CLIENT_BURST", 4)
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     with joined(served) as client, joined(served) as other:
         hear(client, "hello")
         for number in range(10):
@@ -171,7 +171,7 @@ def test_a_client_that_floods_is_told_so_and_may_send_again(
         assert {error["code"] for error in refused} == {"too_many_patches"}
         assert all("2 messages a second from one client" in error["message"] for error in refused)
         # What was taken, and nothing else, was done; the connection stays and may send again.
-        assert served.studio.document.revision == before + 10 - len(refused)
+        assert served.app_state.document.revision == before + 10 - len(refused)
         number, answer = 10, answers[-1]
         while answer["type"] == "error" or number == 10:
             patch(client, number, 77)
@@ -182,22 +182,22 @@ def test_a_client_that_floods_is_told_so_and_may_send_again(
 
 def test_a_drag_at_sixty_patches_a_second_is_never_refused() -> None:
     now = 0.0
-    allowance = Allowance(240.0, 480, clock=lambda: now)
+    bucket = TokenBucket(240.0, 480, clock=lambda: now)
     for _ in range(60 * 60):
         now += 1.0 / 60.0
-        assert allowance.take()
+        assert bucket.take()
 
 
 def test_an_allowance_gives_its_burst_and_then_its_rate() -> None:
     now = 0.0
-    allowance = Allowance(10.0, 5, clock=lambda: now)
-    assert [allowance.take() for _ in range(6)] == [True] * 5 + [False]
+    bucket = TokenBucket(10.0, 5, clock=lambda: now)
+    assert [bucket.take() for _ in range(6)] == [True] * 5 + [False]
     now = 1.0
-    assert sum(allowance.take() for _ in range(20)) == 5  # a second refills ten, five are kept
+    assert sum(bucket.take() for _ in range(20)) == 5  # a second refills ten, five are kept
     now = 1.25
-    assert sum(allowance.take() for _ in range(20)) == 2
-    assert allowance.wait() == pytest.approx(0.05)
-    assert allowance.wait() == pytest.approx(0.15)
+    assert sum(bucket.take() for _ in range(20)) == 2
+    assert bucket.wait() == pytest.approx(0.05)
+    assert bucket.wait() == pytest.approx(0.15)
 
 
 def test_all_clients_together_have_a_limit_too(
@@ -265,37 +265,37 @@ def test_one_study_more_than_may_be_is_refused_and_a_seat_comes_free(served: Ser
             "too_many_studies",
         )
         assert f"{MAX_STUDIES} studies" in text
-    # All of them were given up: their seats are free again.
+    # All of them were given up: others may follow.
     short = {"lane": "NFTSM", "field": "nu", "count": 2}
     for _ in range(200):
         if served.http.post("/api/studies/strip", json=short).status_code == 200:
             break
     else:
-        pytest.fail("no seat came free")
+        pytest.fail("none of them ended")
 
 
 def test_a_task_that_finds_no_place_in_the_queue_is_refused(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(served.studio.workers, "_free", set())
+    monkeypatch.setattr(served.app_state.workers, "_free", set())
     text = refusal(served.http.post("/api/lens", json={"lane": "NFTSM"}), 503, "busy")
     assert "256 tasks" in text
 
 
 def test_a_seat_comes_free_however_its_holder_ends() -> None:
-    seats = Seats(1, lambda: RuntimeError("full"))
-    with seats.one(), pytest.raises(RuntimeError, match="full"):
-        seats.one().__enter__()
-    with suppress(KeyError), seats.one():
+    running = ConcurrencyLimit(1, lambda: RuntimeError("full"))
+    with running.one(), pytest.raises(RuntimeError, match="full"):
+        running.one().__enter__()
+    with suppress(KeyError), running.one():
         raise KeyError
-    assert seats.taken == 0
+    assert running.under_way == 0
 
 
 def test_a_full_folder_takes_no_other_preset_but_the_same_again(
     served: Served, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("SLIDETUNE_PRESETS", str(tmp_path))
-    experiment = served.studio.document.experiment
+    experiment = served.app_state.document.experiment
     save_preset("mine-0", experiment)
     text = (tmp_path / "mine-0.yaml").read_text(encoding="utf-8")
     for number in range(1, MAX_PRESETS):
@@ -307,7 +307,7 @@ def test_a_full_folder_takes_no_other_preset_but_the_same_again(
     assert served.http.delete("/api/presets/mine-8").status_code == 204
     assert served.http.put("/api/presets/one-more").status_code == 200
     with pytest.raises(TooManyPresetsError):
-        save_if_room(preset_store(), "another", experiment)
+        save_within_quota(preset_store(), "another", experiment)
 
 
 def test_health_tells_the_limits(served: Served) -> None:

@@ -175,7 +175,7 @@ def test_no_route_changes_anything_for_a_viewer(shared: Served, viewer: httpx.Cl
 def test_the_owner_may_do_what_a_viewer_may_not(shared: Served) -> None:
     changed = shared.http.patch("/api/experiment", json={"lanes": {"NFTSM": {"nu": 12}}})
     assert changed.json()["experiment"]["lanes"]["NFTSM"]["nu"] == 12
-    text = experiment_to_yaml(shared.studio.document.experiment)
+    text = experiment_to_yaml(shared.app_state.document.experiment)
     assert shared.http.put("/api/presets/mine", content=text).status_code == 200
     assert shared.http.delete("/api/presets/mine").status_code == 204
 
@@ -208,7 +208,11 @@ def test_a_viewer_is_told_that_its_messages_do_nothing(
     shared: Served, message: dict[str, Any]
 ) -> None:
     def standing() -> tuple[object, ...]:
-        document, view, state = shared.studio.document, shared.studio.view, shared.studio.state()
+        document, view, state = (
+            shared.app_state.document,
+            shared.app_state.view,
+            shared.app_state.state(),
+        )
         seen = (view.selected, view.exaggeration, view.ghosts)
         return document.revision, *seen, state["playing"], state["speed"], state["epoch"]
 
@@ -235,7 +239,7 @@ def test_a_viewer_follows_what_the_owner_does(shared: Served) -> None:
 
 @pytest.mark.parametrize("role", ["owner", "viewer"])
 def test_only_the_owner_pulls_the_arm_through_the_scene(shared: Served, role: Role) -> None:
-    scene = shared.studio.view.scene
+    scene = shared.app_state.view.scene
     place = {"wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 0.9), "name": "/pull"}
     there = (0.0, float(len(role)), 5.0)
     with line(shared, role, "/scene") as browser:
@@ -285,9 +289,9 @@ def test_a_viewer_may_say_nothing_else_that_viser_listens_to() -> None:
 
 @pytest.mark.parametrize("key", ["", "wrong"])
 def test_visers_own_port_is_locked(shared: Served, key: str) -> None:
-    address = f"ws://127.0.0.1:{shared.studio.view.scene.port}/"
+    address = f"ws://127.0.0.1:{shared.app_state.view.scene.port}/"
     protocol = [Subprotocol(f"viser-v{viser.__version__}")]
-    before = len(shared.studio.view.scene._viewer.get_clients())
+    before = len(shared.app_state.view.scene._viewer.get_clients())
     headers = {KEY_HEADER: key} if key else {}
     with connect(
         address, subprotocols=protocol, additional_headers=headers, max_size=None, proxy=None
@@ -298,7 +302,7 @@ def test_visers_own_port_is_locked(shared: Served, key: str) -> None:
             stranger.recv(timeout=20.0)
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1008
-    assert len(shared.studio.view.scene._viewer.get_clients()) <= before
+    assert len(shared.app_state.view.scene._viewer.get_clients()) <= before
     with line(shared, "owner", "/scene") as browser:
         assert isinstance(browser.recv(timeout=20.0), bytes)
 

@@ -59,6 +59,28 @@ def test_a_start_with_a_jolt_is_not_worth_a_remark() -> None:
     assert roughness.remark("A") is None
 
 
+def test_going_back_in_time_begins_to_count_anew() -> None:
+    loop, roughness = stepped({"Wild": WILD}, 1.5 * WINDOW)
+    early, _ = stepped({"Wild": WILD}, 0.5 * WINDOW)
+    # A lane that was not there then keeps what it counted; no row is left of it.
+    wild = early.packed.experiment.lanes["Wild"].model_dump()
+    loop.adopt(pack(loop.packed.experiment.patched({"lanes": {"New": wild}})), {"New": "Wild"})
+    for _ in range(round(0.4 * WINDOW / loop.period)):
+        loop.step()
+        roughness.look(loop)
+    loop.restore(early.state())
+    loop.step()
+    roughness.look(loop)
+    assert roughness.remark("Wild") is None
+    assert roughness.remark("New") is None
+    for _ in range(round(1.1 * WINDOW / loop.period)):
+        loop.step()
+        roughness.look(loop)
+    said = roughness.remark("Wild")
+    assert said is not None
+    assert re.match(r"(9\d|100)% of its live steps", said)
+
+
 def test_a_restart_forgets() -> None:
     _, roughness = stepped({"Wild": WILD}, 1.5 * WINDOW)
     roughness.restart()

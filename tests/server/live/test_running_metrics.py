@@ -7,7 +7,7 @@ import pytest
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.metrics import Metrics, measure_lane
-from slidetune.server.live.running_metrics import RECENT, RunningMetrics
+from slidetune.server.live.running_metrics import RECENT, SPAN, RunningMetrics
 from slidetune.server.live.telemetry import Channel, channels
 
 Array = np.ndarray
@@ -49,8 +49,54 @@ def test_figures_are_those_of_the_same_rows_at_once(chunk: int) -> None:
     found = running.document()
     assert_same(found["total"], at_once(rows, columns, "B"))
     if 100 % chunk == 0:
-        # The last of the thirteen seconds and the nine before it.
         assert_same(found["recent"], at_once(rows[-round(RECENT / PERIOD) :], columns, "B"))
+
+
+def by_time(rows: Array, periods: Array, columns: list[Channel], lane: str) -> dict[str, object]:
+    """Return the figures of rows, each of which stands for its own period in [s]."""
+
+    def group(name: str, owner: str = lane) -> Array:
+        return rows[:, [i for i, c in enumerate(columns) if (c.group, c.lane) == (name, owner)]]
+
+    error, torque = np.abs(group("e")), group("tau")
+    distance = np.linalg.norm(group("flange") - group("flange_d", ""), axis=1)
+    return {
+        "mae": np.average(error, axis=0, weights=periods),
+        "max_error": error.max(axis=0),
+        "max_velocity_error": np.abs(group("de")).max(axis=0),
+        "chattering": np.abs(np.diff(torque, axis=0)).sum() / periods[:-1].sum(),
+        "peak_torque": np.abs(torque).max(axis=0),
+        "flange_rms": np.sqrt(np.average(distance**2, weights=periods)),
+        "flange_max": distance.max(),
+    }
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rows_count_by_the_time_that_they_stand_for(seed: int) -> None:
+    random, columns = np.random.default_rng(seed), channels(LANES)
+    running = RunningMetrics(columns, "B")
+    rows, periods, time = np.empty((0, len(columns))), np.empty(0), 0.0
+    for _ in range(25):
+        # Some seconds of one period, with errors of one size, in pieces as the session makes them.
+        period = float(np.exp(random.uniform(np.log(0.0005), np.log(0.02))))
+        scale = random.uniform(0.1, 10.0)
+        for _ in range(round(random.uniform(0.2, 2.0) / (16 * period)) + 1):
+            added = scale * random.normal(size=(random.integers(1, 17), len(columns)))
+            running.add(added, time, period)
+            time += len(added) * period
+            rows = np.vstack([rows, added])
+            periods = np.append(periods, np.full(len(added), period))
+    begins = np.cumsum(periods) - periods
+    assert time > RECENT + 1.0
+    since = SPAN * np.floor((time - RECENT) / SPAN)
+    last = begins >= since
+    assert RECENT - periods.max() < periods[last].sum() <= RECENT + SPAN
+    found = running.document()
+    for span, which in (("total", begins >= 0.0), ("recent", last)):
+        wanted = by_time(rows[which], periods[which], columns, "B")
+        assert set(found[span]) == set(wanted)
+        for name, value in wanted.items():
+            np.testing.assert_allclose(found[span][name], value, rtol=1e-9, err_msg=name)
 
 
 def test_one_row_has_no_way_of_the_torque() -> None:

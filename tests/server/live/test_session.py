@@ -168,6 +168,54 @@ def test_a_kick_pushes_all_lanes_and_passes(session: Session) -> None:
     assert not any(lane.work[PUSH].any() for lane in session.loop.lanes.values())
 
 
+@pytest.mark.parametrize(("delay", "forked"), [(0.0, 0.1), (0.002, 0.2)])
+def test_a_branch_repeats_the_past_and_knows_nothing_of_a_later_kick(
+    session: Session, delay: float, forked: float
+) -> None:
+    calm = Experiment.from_document(
+        {
+            "lanes": LANES,
+            "robot": {"armature": 5.0},
+            "disturbance": {"sensor_noise": {"velocity": 1e-3}},
+            "simulation": {"mode": "sampled", "input_delay": delay, "horizon": 3.0},
+        }
+    )
+    session.pause()
+    session.load(pack(calm), 2)
+    session.step(300)
+    session.kick((50.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.05)
+    session.step(100)
+    settle(session)
+    gains = calm.lanes["A"].model_dump()
+    session.fork(pack(calm.patched({"lanes": {"Copy": gains}})), 3, forked, {"Copy": "A"})
+    session.pause()
+    session.step(150)
+    settle(session)
+    rows, run = session.loop.number, simulate(calm, estimate=False)
+    begin = round(forked * 1000)
+    assert rows >= begin + 150
+    for name, origin in (("A", "A"), ("B", "B"), ("Copy", "A")):
+        record = session.loop.lanes[name].record[begin:rows]
+        assert np.array_equal(record[:, :6], run.lanes[origin].q[begin:rows])
+        assert np.array_equal(record[:, 12:18], run.lanes[origin].tau[begin:rows])
+
+
+def test_a_branch_from_within_a_kick_feels_the_rest_of_it(session: Session) -> None:
+    session.pause()
+    session.reset()
+    session.step(190)
+    session.kick((50.0, 0.0, 0.0, 0.0, 0.0, 0.0), 3.0)
+    session.step(300)
+    settle(session)
+    gains = experiment().lanes["A"].model_dump()
+    both = experiment().patched({"lanes": {"Copy": gains}})
+    session.fork(pack(both), 2, 0.2, {"Copy": "A"})
+    session.pause()
+    session.step(1)
+    settle(session)
+    assert all(lane.work[PUSH, 0] == 50.0 for lane in session.loop.lanes.values())
+
+
 def test_a_duplicated_lane_continues_from_its_origin(session: Session) -> None:
     session.pause()
     session.step(100)

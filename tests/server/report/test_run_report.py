@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.console import Console
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.loop.figures import FIGURES, figures_of
@@ -77,7 +77,7 @@ def test_remarks_and_causes_are_printed_in_words(run: Run) -> None:
     freeze = run.lanes["A"].freeze
     assert freeze is not None
     assert " ".join(freeze.cause.split()) in text
-    remarks = notes(pack(run.experiment), "A")
+    remarks = advice_on(pack(run.experiment), "A")
     assert remarks
     assert all(" ".join(note.message.split()) in text for note in remarks)
 

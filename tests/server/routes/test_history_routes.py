@@ -47,7 +47,7 @@ def run_past(served: Served, seconds: float) -> None:
 
 def looked_at(served: Served) -> float | None:
     """Return the time of the moment that the scene shows, ``None`` for the present."""
-    moment = served.studio.view.past
+    moment = served.app_state.view.past
     return None if moment is None else moment.time
 
 
@@ -56,21 +56,21 @@ def test_an_edit_is_listed_with_who_when_which_and_what(served: Served) -> None:
     edit = set_gain(served, nu=2.5)
     assert edit["author"] == "http"
     assert before - 1.0 <= edit["time"] <= time.time() + 1.0
-    assert edit["revision"] == served.studio.document.revision
+    assert edit["revision"] == served.app_state.document.revision
     assert edit["changes"] == [{"path": ["lanes", LANE, "nu"], "from": 0.3, "to": 2.5}]
 
 
 def test_restoring_brings_back_the_experiment_and_lets_time_go_on(served: Served) -> None:
     first = set_gain(served, nu=2.0)
-    wanted = served.studio.document.experiment
+    wanted = served.app_state.document.experiment
     set_gain(served, c=3.0)
-    epoch = served.studio.session.epoch
+    epoch = served.app_state.session.epoch
     answer = served.http.post(f"/api/history/{first['number']}/restore")
     assert answer.status_code == 200
-    assert served.studio.document.experiment == wanted
+    assert served.app_state.document.experiment == wanted
     assert answer.json()["experiment"] == wanted.document()
-    assert answer.json()["revision"] == served.studio.document.revision
-    assert served.studio.session.epoch == epoch
+    assert answer.json()["revision"] == served.app_state.document.revision
+    assert served.app_state.session.epoch == epoch
     last = edits(served)[-1]
     assert last["changes"] == [{"path": ["lanes", LANE, "c"], "from": 3.0, "to": 10.0}]
 
@@ -78,10 +78,10 @@ def test_restoring_brings_back_the_experiment_and_lets_time_go_on(served: Served
 def test_restoring_brings_back_a_lane_that_was_removed(served: Served) -> None:
     edit = set_gain(served, nu=2.0)
     served.http.patch("/api/experiment", json={"lanes": {"NFTSM": None}})
-    assert "NFTSM" not in served.studio.document.experiment.lanes
+    assert "NFTSM" not in served.app_state.document.experiment.lanes
     served.http.post(f"/api/history/{edit['number']}/restore")
-    assert "NFTSM" in served.studio.document.experiment.lanes
-    until(lambda: "NFTSM" in served.studio.session.loop.lanes, "the lane runs again")
+    assert "NFTSM" in served.app_state.document.experiment.lanes
+    until(lambda: "NFTSM" in served.app_state.session.loop.lanes, "the lane runs again")
 
 
 def test_an_edit_that_is_not_kept_cannot_be_restored(served: Served) -> None:
@@ -97,7 +97,7 @@ def test_looking_back_pauses_and_shows_the_moment_before(served: Served) -> None
     assert answer.status_code == 202
     shown = answer.json()["time"]
     assert wanted - 0.11 < shown <= wanted
-    until(lambda: not served.studio.session.playing, "the session pauses")
+    until(lambda: not served.app_state.session.playing, "the session pauses")
     assert looked_at(served) == shown
     served.http.post("/api/session/look", json={"time": None})
     assert looked_at(served) is None
@@ -106,7 +106,7 @@ def test_looking_back_pauses_and_shows_the_moment_before(served: Served) -> None
 def test_time_that_goes_on_ends_the_look_back(served: Served) -> None:
     run_past(served, 0.3)
     served.http.post("/api/session/look", json={"time": 0.1})
-    until(lambda: not served.studio.session.playing, "the session pauses")
+    until(lambda: not served.app_state.session.playing, "the session pauses")
     served.http.post("/api/session/play")
     until(lambda: looked_at(served) is None, "the scene shows the present")
 
@@ -114,16 +114,19 @@ def test_time_that_goes_on_ends_the_look_back(served: Served) -> None:
 def test_a_fork_goes_back_and_goes_on_with_a_variant_beside_its_origin(served: Served) -> None:
     run_past(served, 0.6)
     body = {"time": 0.3, "origin": LANE, "name": "Variant", "gains": {"nu": 30.0}}
-    present = served.studio.session.loop.time
+    # Slowly, so that time has not come this far again before it is looked at.
+    served.app_state.session.set_speed(0.1)
+    present = served.app_state.session.loop.time
     answer = served.http.post("/api/session/fork", json=body)
     assert answer.status_code == 200, answer.text
     lanes = answer.json()["experiment"]["lanes"]
     assert lanes["Variant"] == {**lanes[LANE], "nu": 30.0}
-    until(lambda: "Variant" in served.studio.session.loop.lanes, "the lane is there")
-    loop = served.studio.session.loop
+    until(lambda: "Variant" in served.app_state.session.loop.lanes, "the lane is there")
+    loop = served.app_state.session.loop
     assert loop.time < present
+    served.app_state.session.set_speed(1.0)
     # One step old, both stand where the origin stood: what differs is their gains.
-    until(lambda: served.studio.session.playing and loop.time > 0.5, "time goes on")
+    until(lambda: served.app_state.session.playing and loop.time > 0.5, "time goes on")
     angles = {name: loop.lanes[name].work[Q].copy() for name in (LANE, "Variant")}
     assert not np.array_equal(angles[LANE], angles["Variant"])
     np.testing.assert_allclose(angles[LANE], angles["Variant"], atol=0.1)
@@ -141,19 +144,19 @@ def test_a_fork_goes_back_and_goes_on_with_a_variant_beside_its_origin(served: S
 def test_a_bad_fork_is_refused_by_name_and_changes_nothing(
     served: Served, change: dict[str, Any], path: str
 ) -> None:
-    before = served.studio.document.experiment
+    before = served.app_state.document.experiment
     body = {"time": 0.0, "origin": LANE, "name": "Variant", **change}
     answer = served.http.post("/api/session/fork", json=body)
     assert answer.status_code == 422
     assert path in [field["path"] for field in answer.json()["error"]["fields"]]
-    assert served.studio.document.experiment is before
+    assert served.app_state.document.experiment is before
 
 
 def test_going_back_gives_the_experiment_that_it_was_whoever_edits_meanwhile(
     served: Served,
 ) -> None:
     served.http.put("/api/experiment", json={"lanes": {"A": {"law": "smc"}}}).raise_for_status()
-    document, done = served.studio.document, threading.Event()
+    document, done = served.app_state.document, threading.Event()
     before = document.experiment
 
     def edit() -> None:

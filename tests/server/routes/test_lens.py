@@ -28,7 +28,7 @@ def refuse(name: str) -> float:
 
 
 def run_of(served: Served, lane: str, patch: dict[str, Any] | None = None) -> LaneRun:
-    experiment: Experiment = served.studio.document.experiment
+    experiment: Experiment = served.app_state.document.experiment
     return simulate(experiment.patched(patch) if patch else experiment).lanes[lane]
 
 
@@ -43,7 +43,7 @@ def test_numbers_are_those_of_simulate(served: Served) -> None:
     run = run_of(served, "RBFNN-NFTSM")
     answer = seen(served, lane="RBFNN-NFTSM")
     assert (answer["lane"], answer["horizon"], answer["frozen"]) == ("RBFNN-NFTSM", 1.0, None)
-    assert answer["revision"] == served.studio.document.revision
+    assert answer["revision"] == served.app_state.document.revision
     chattering, metrics = answer["chattering"], run.metrics
     assert chattering["variation"] == pytest.approx(metrics.chattering, rel=1e-9)
     assert chattering["above"] == pytest.approx(metrics.high_frequency_torque, rel=1e-9)
@@ -56,21 +56,21 @@ def test_numbers_are_those_of_simulate(served: Served) -> None:
 
 def test_a_patch_is_looked_at_and_the_live_experiment_stays(served: Served) -> None:
     shorten(served)
-    before = served.studio.document.experiment
+    before = served.app_state.document.experiment
     patch = {"lanes": {"NFTSM": {"nu": 30.0}}}
     answer = seen(served, lane="NFTSM", patch=patch, lenses=["sliding"])
     assert set(answer) == {"revision", "lane", "horizon", "frozen", "sliding"}
     assert answer["sliding"]["joints"][0]["time_constant"] == pytest.approx(10.0 / 30.0)
-    assert served.studio.document.experiment is before
+    assert served.app_state.document.experiment is before
 
 
 def test_an_experiment_sent_along_is_looked_at_though_the_live_one_has_no_such_lane(
     served: Served,
 ) -> None:
     shorten(served)
-    before = served.studio.document.experiment
+    before = served.app_state.document.experiment
     served.http.post("/api/presets/chattering-tanh/load")
-    assert "RBFNN-SMC" not in served.studio.document.experiment.lanes
+    assert "RBFNN-SMC" not in served.app_state.document.experiment.lanes
     patch = {"lanes": {"RBFNN-SMC": {"switching": "sign"}}}
     document = before.document()
     answer = seen(served, lane="RBFNN-SMC", experiment=document, patch=patch, lenses=["chattering"])
@@ -101,7 +101,7 @@ def test_sign_in_continuous_mode_holds_s_at_zero_without_chattering(served: Serv
 def test_sign_in_sampled_mode_is_compared_by_the_same_route(served: Served) -> None:
     served.http.post("/api/presets/chattering-tanh/load")
     served.http.patch("/api/experiment", json={"simulation": {"horizon": 1.0}})
-    lane = next(iter(served.studio.document.experiment.lanes))
+    lane = next(iter(served.app_state.document.experiment.lanes))
     restless, smooth = (
         seen(served, lane=lane, patch={"lanes": {lane: {"switching": name}}}, lenses=["chattering"])
         for name in ("sign", "tanh")

@@ -27,7 +27,7 @@ def test_a_step_can_be_reached_from_the_one_before_by_a_patch(served: Served) ->
         answer = http.patch("/api/experiment", json=difference(live, step["experiment"]))
         assert answer.status_code == 200, answer.text
         wanted = Experiment.from_document(step["experiment"])
-        assert served.studio.document.experiment == wanted
+        assert served.app_state.document.experiment == wanted
 
 
 @pytest.mark.parametrize("name", ["nobody", "..%2fpaper", "%00"])

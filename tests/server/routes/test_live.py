@@ -56,7 +56,7 @@ def test_hello_comes_first_and_describes_the_frames(served: Served) -> None:
         assert hello["type"] == "hello"
         assert [lane["name"] for lane in hello["lanes"]] == ["RBFNN-NFTSM", "RBFNN-SMC", "NFTSM"]
         assert len({lane["color"] for lane in hello["lanes"]}) == 3
-        assert hello["experiment"] == served.studio.document.experiment.document()
+        assert hello["experiment"] == served.app_state.document.experiment.document()
         _, columns, dropped, _, data = frame(socket)
         assert columns == len(hello["channels"])
         assert dropped == 0
@@ -64,7 +64,7 @@ def test_hello_comes_first_and_describes_the_frames(served: Served) -> None:
 
 
 def test_a_patch_is_echoed_to_all_and_marks_the_frames_that_follow(served: Served) -> None:
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     with connect(served.live) as author, connect(served.live) as other:
         name = text(author, "hello")["client"]
         text(other, "hello")
@@ -98,7 +98,7 @@ def test_a_patch_is_echoed_to_all_and_marks_the_frames_that_follow(served: Serve
 def test_a_bad_message_is_refused_to_its_sender_and_changes_nothing(
     served: Served, message: Message, path: str, said: str
 ) -> None:
-    before, revision = served.studio.document.experiment, served.studio.document.revision
+    before, revision = served.app_state.document.experiment, served.app_state.document.revision
     with connect(served.live) as socket:
         text(socket, "hello")
         say(socket, **message, id="mine")
@@ -107,8 +107,8 @@ def test_a_bad_message_is_refused_to_its_sender_and_changes_nothing(
         fields = {field["path"]: field["message"] for field in refusal["error"]["fields"]}
         assert path in fields
         assert said in fields[path]
-    assert served.studio.document.experiment is before
-    assert served.studio.document.revision == revision
+    assert served.app_state.document.experiment is before
+    assert served.app_state.document.revision == revision
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_clients_that_leave_are_forgotten(served: Served) -> None:
 
 
 def test_concurrent_patches_are_all_applied_in_one_order(served: Served) -> None:
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     with connect(served.live) as one, connect(served.live) as two:
         text(one, "hello")
         text(two, "hello")
@@ -209,5 +209,5 @@ def test_concurrent_patches_are_all_applied_in_one_order(served: Served) -> None
             say(two, type="patch", id=index, patch={"lanes": {"RBFNN-SMC": {"k1": 100 + index}}})
         seen = [[text(socket, "patch")["revision"] for _ in range(100)] for socket in (one, two)]
         assert seen[0] == seen[1] == list(range(before + 1, before + 101))
-    lanes = served.studio.document.experiment.lanes
+    lanes = served.app_state.document.experiment.lanes
     assert (lanes["NFTSM"].nu, lanes["RBFNN-SMC"].k1) == (50, 149)

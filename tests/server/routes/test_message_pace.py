@@ -14,7 +14,7 @@ from websockets.sync.client import connect
 from slidetune.server.guard.access_policy import Role
 from slidetune.server.guard.limits import CLIENT_BURST, CLIENT_RATE, MAX_LIVE_MESSAGE
 from slidetune.server.guard.message_size import SHORT, message_cost
-from slidetune.server.guard.token_bucket import Allowance
+from slidetune.server.guard.token_bucket import TokenBucket
 from slidetune.server.routes.live import Conversation
 from slidetune.server.state.hub import Client, Hub
 from tests.server.conftest import Served
@@ -36,7 +36,9 @@ class Mouth(Client):
     """A client that keeps what it is told."""
 
     def __init__(self, served: Served, role: Role) -> None:
-        super().__init__("flood", WebSocket({"type": "websocket"}, None, None), served.studio, role)  # type: ignore[arg-type]
+        super().__init__(
+            "flood", WebSocket({"type": "websocket"}, None, None), served.app_state, role
+        )  # type: ignore[arg-type]
         self.told: list[dict[str, Any]] = []
 
     def tell(self, text: str) -> None:
@@ -48,8 +50,8 @@ def flood(
 ) -> tuple[Mouth, int]:
     """Let a client say a message often, and count the turns that others have meanwhile."""
     mouth = Mouth(served, role)
-    conversation = Conversation(mouth, served.studio, Hub(served.studio))
-    conversation._allowance = Allowance(1.0, burst, clock=lambda: 0.0)  # no time refills it
+    conversation = Conversation(mouth, served.app_state, Hub(served.app_state))
+    conversation._bucket = TokenBucket(1.0, burst, clock=lambda: 0.0)  # no time refills it
     hear: Callable[[], Awaitable[None]] = conversation.hear_binary
     if message is not None:
         hear = lambda: conversation.hear(message)  # noqa: E731
@@ -94,7 +96,7 @@ def test_what_comes_too_fast_is_refused_whatever_it_is(
 
 def test_a_message_of_many_keys_is_refused_before_anybody_looks_at_them(served: Served) -> None:
     wide = {"type": "select", "id": 8, **{f"key{number}": 1 for number in range(1001)}}
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     with connect(served.live) as socket:
         text(socket, "hello")
         for message in (MANY, wide):
@@ -105,7 +107,7 @@ def test_a_message_of_many_keys_is_refused_before_anybody_looks_at_them(served: 
             assert "1000 keys" in refusal["error"]["message"]
         socket.send("x" * (MAX_LIVE_MESSAGE + 1))
         assert "64 KiB" in text(socket, "error")["error"]["message"]
-    assert served.studio.document.revision == before
+    assert served.app_state.document.revision == before
 
 
 def test_a_long_message_counts_for_several_and_a_drag_for_one() -> None:

@@ -16,8 +16,8 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.preset_name import is_preset_name
 from slidetune.robot.experiment.presets import preset_store
 from slidetune.server.guard.limits import TooManyPresetsError
-from slidetune.server.state import preset_quota as preset_room
-from slidetune.server.state.preset_quota import save_if_room
+from slidetune.server.state import preset_quota
+from slidetune.server.state.preset_quota import save_within_quota
 from tests.server.conftest import Served
 
 WEB = Path(__file__).resolve().parents[3] / "web"
@@ -55,13 +55,13 @@ def test_saving_against_deleting_never_breaks(served: Served, folder: Path) -> N
 def test_of_many_saves_at_once_as_many_pass_as_there_is_room_for(
     served: Served, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(preset_room, "MAX_PRESETS", 3)
-    experiment, start = served.studio.document.experiment, Barrier(16)
+    monkeypatch.setattr(preset_quota, "MAX_PRESETS", 3)
+    experiment, start = served.app_state.document.experiment, Barrier(16)
 
     def save(number: int) -> bool:
         start.wait(60.0)
         try:
-            save_if_room(preset_store(), f"at-once-{number}", experiment)
+            save_within_quota(preset_store(), f"at-once-{number}", experiment)
         except TooManyPresetsError:
             return False
         return True
@@ -98,11 +98,11 @@ def test_a_list_reads_again_only_what_has_changed(
 def test_a_preset_answers_with_what_was_saved(served: Served, folder: Path) -> None:
     saved = served.http.put("/api/presets/mine").json()
     assert saved == served.http.get("/api/presets/mine").json()
-    assert saved["experiment"] == served.studio.document.experiment.document()
+    assert saved["experiment"] == served.app_state.document.experiment.document()
 
 
 def test_the_baseline_is_what_was_saved_and_not_what_came_meanwhile(served: Served) -> None:
-    document = served.studio.document
+    document = served.app_state.document
     beginning, saved = document.present()
     document.patch({"title": "meanwhile"})
     document.saved_as("mine", saved, beginning)
@@ -112,7 +112,7 @@ def test_the_baseline_is_what_was_saved_and_not_what_came_meanwhile(served: Serv
 
 
 def test_a_lane_renamed_while_it_was_saved_still_compares(served: Served) -> None:
-    document = served.studio.document
+    document = served.app_state.document
     beginning, saved = document.present()
     gains = saved.lanes["NFTSM"].model_dump(mode="json")
     document.patch({"lanes": {"NFTSM": None, "Renamed": gains}})
@@ -121,7 +121,7 @@ def test_a_lane_renamed_while_it_was_saved_still_compares(served: Served) -> Non
 
 
 def test_what_was_loaded_while_another_was_saved_keeps_its_own_baseline(served: Served) -> None:
-    document = served.studio.document
+    document = served.app_state.document
     beginning, saved = document.present()
     document.replace(saved.patched({"title": "other"}), preset="other")
     document.saved_as("mine", saved, beginning)
@@ -133,7 +133,7 @@ def test_what_was_loaded_while_another_was_saved_keeps_its_own_baseline(served: 
 def test_a_refused_name_is_refused_with_the_rule(served: Served, folder: Path, name: str) -> None:
     assert not is_preset_name(name)
     with pytest.raises(InvalidExperimentError, match="a-z, 0-9 and -, such as my-gains"):
-        save_if_room(preset_store(), name, served.studio.document.experiment)
+        save_within_quota(preset_store(), name, served.app_state.document.experiment)
 
 
 def test_the_page_asks_for_the_names_that_the_server_takes() -> None:

@@ -68,7 +68,7 @@ def test_live_figures_are_those_that_the_table_says(served: Served) -> None:
 
 
 def test_a_patch_changes_the_document_and_counts_up(served: Served) -> None:
-    before = served.studio.document.revision
+    before = served.app_state.document.revision
     answer = served.http.patch("/api/experiment", json={"lanes": {"NFTSM": {"nu": 30}}}).json()
     assert answer["revision"] == before + 1
     assert answer["experiment"]["lanes"]["NFTSM"]["nu"] == 30
@@ -98,7 +98,7 @@ def test_exported_yaml_reads_back_to_the_live_experiment(served: Served) -> None
     answer = served.http.get("/api/experiment", params={"format": "yaml"})
     assert answer.headers["content-type"].startswith("application/yaml")
     assert "attachment" in answer.headers["content-disposition"]
-    assert experiment_from_yaml(answer.text) == served.studio.document.experiment
+    assert experiment_from_yaml(answer.text) == served.app_state.document.experiment
 
 
 def test_yaml_and_json_replace_the_document_and_start_anew(served: Served) -> None:
@@ -106,13 +106,13 @@ def test_yaml_and_json_replace_the_document_and_start_anew(served: Served) -> No
     yaml = experiment_to_yaml(other)
     answer = served.http.put("/api/experiment", content=yaml.encode(), headers=YAML)
     assert answer.status_code == 200
-    assert served.studio.document.experiment == other
+    assert served.app_state.document.experiment == other
     end = time.monotonic() + 10.0
     while list(served.http.get("/api/session").json()["lanes"]) != ["Solo"]:
         assert time.monotonic() < end
     document = other.patched({"title": "Again"}).document()
     assert served.http.put("/api/experiment", json=document).status_code == 200
-    assert served.studio.document.experiment.title == "Again"
+    assert served.app_state.document.experiment.title == "Again"
 
 
 def test_bad_yaml_names_line_and_field(served: Served) -> None:
@@ -153,7 +153,7 @@ def test_presets_are_saved_loaded_listed_and_deleted(served: Served) -> None:
     refusal(http.put("/api/presets/mine"), 409)
     assert http.put("/api/presets/mine", params={"overwrite": True}).status_code == 200
     mine = http.get("/api/presets/mine").json()
-    assert mine["experiment"] == served.studio.document.experiment.document()
+    assert mine["experiment"] == served.app_state.document.experiment.document()
     assert mine["shipped"] is False
     loaded = http.post("/api/presets/paper/load").json()
     assert loaded["experiment"] == http.get("/api/presets/paper").json()["experiment"]

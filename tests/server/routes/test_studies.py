@@ -53,13 +53,13 @@ def test_positions_that_diverge_have_a_reason_and_no_figures(served: Served) -> 
 
 def test_a_strip_scales_all_joints_and_changes_nothing_live(served: Served) -> None:
     prepare(served, "chattering-tanh")
-    before = served.studio.document.experiment
+    before = served.app_state.document.experiment
     assert isinstance(before.lanes["tanh"].k1, tuple)
     rows = strip(served, "tanh", "k1", 3)
     shares = np.array([1.0, 1.0, 0.5, 0.1, 0.1, 0.1])
     scaled = np.array([row["patch"]["lanes"]["tanh"]["k1"] for row in rows])
     np.testing.assert_allclose(scaled, np.outer([0.0, 500.0, 1000.0], shares))
-    assert served.studio.document.experiment is before
+    assert served.app_state.document.experiment is before
 
 
 def test_a_strip_of_one_joint_leaves_the_others_as_they_are(served: Served) -> None:
@@ -97,7 +97,7 @@ def test_gains_of_six_are_turned_all_in_proportion(served: Served) -> None:
 def test_the_figures_are_those_of_a_whole_run(served: Served) -> None:
     prepare(served, "paper")
     row = strip(served, "NFTSM", "c", 3)[1]
-    experiment = served.studio.document.experiment.patched(row["patch"])
+    experiment = served.app_state.document.experiment.patched(row["patch"])
     metrics = simulate(quickened(only_lane(experiment, "NFTSM"))).lanes["NFTSM"].metrics
     assert row["value"] == pytest.approx(np.sqrt(0.05 * 50.0))
     assert row["mae"] == metrics.mae.mean()

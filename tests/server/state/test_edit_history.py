@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
+import pytest
+
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.merge_patch import difference
 from slidetune.server.state.document import Change
 from slidetune.server.state.edit_history import JOIN, EditHistory
 
@@ -70,6 +74,82 @@ def test_a_change_that_changes_nothing_is_no_entry() -> None:
     scribe = Scribe()
     scribe.change(nu=0.3)
     assert scribe.history.entries() == []
+
+
+def test_an_edit_that_is_taken_back_at_once_leaves_no_entry() -> None:
+    scribe = Scribe()
+    scribe.change(c=2.0)
+    before = scribe.history.entries()
+    scribe.change(nu=30.0)
+    scribe.change(nu=0.3)
+    assert scribe.history.entries() == before
+    assert scribe.history.after(1) == scribe.experiment
+    # A page that still shows the entry must not get to another one by its number.
+    assert scribe.history.after(2) is None
+    scribe.change(nu=5.0)
+    assert [edit["number"] for edit in scribe.history.entries()] == [1, 3]
+
+
+def test_the_first_edit_of_all_is_taken_back_like_any_other() -> None:
+    scribe = Scribe()
+    scribe.change(nu=30.0)
+    scribe.change(nu=0.3)
+    assert scribe.history.entries() == []
+
+
+def test_a_drag_through_its_beginning_is_told_from_there() -> None:
+    scribe = Scribe()
+    for value in (1.0, 0.3, 0.2):
+        scribe.now += 0.1
+        scribe.change(nu=value)
+    (edit,) = scribe.history.entries()
+    assert edit["changes"] == [{"path": ["lanes", "A", "nu"], "from": 0.3, "to": 0.2}]
+
+
+def test_what_another_author_or_a_later_edit_takes_back_stays_told() -> None:
+    scribe = Scribe()
+    scribe.change(nu=30.0)
+    scribe.change("you", nu=0.3)
+    scribe.change("you", c=2.0)
+    scribe.now += JOIN + 0.1
+    scribe.change("you", c=10.0)
+    entries = scribe.history.entries()
+    assert [edit["changes"][0]["to"] for edit in entries] == [30.0, 0.3, 2.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    "there",
+    [
+        {"C": {"law": "smc"}},
+        {"B": None},
+        {"A": None, "New": START.lanes["A"].model_dump(mode="json")},
+        {"A": {"law": "computed_torque"}},
+    ],
+    ids=["added", "removed", "renamed", "another law"],
+)
+def test_a_lane_that_is_changed_as_a_whole_and_back_leaves_no_entry(there: dict[str, Any]) -> None:
+    history = EditHistory(START, clock=lambda: 1000.0)
+    patch = {"lanes": there}
+    changed = START.patched(patch)
+    history.note(Change(2, changed, patch, "me"))
+    (edit,) = history.entries()
+    assert edit["changes"]
+    history.note(Change(3, START, difference(changed.document(), START.document()), "me"))
+    assert history.entries() == []
+
+
+def test_no_entry_ever_is_without_a_change_and_the_last_leads_to_the_present() -> None:
+    scribe, dice = Scribe(), Random(1)
+    for _ in range(2000):
+        scribe.now += dice.choice([0.1, JOIN + 0.1])
+        field = dice.choice(["nu", "c"])
+        scribe.change(dice.choice(["me", "you"]), **{field: dice.choice([1.0, 2.0])})
+        entries = scribe.history.entries()
+        assert all(edit["changes"] for edit in entries)
+        if entries:
+            assert scribe.history.after(entries[-1]["number"]) == scribe.experiment
+        numbers = [edit["number"] for edit in entries]
+        assert numbers == sorted(set(numbers))
 
 
 def test_added_and_removed_lanes_are_told_whole() -> None:

@@ -28,7 +28,7 @@ def test_a_client_too_slow_for_its_messages_gets_a_fresh_start_instead(served: S
     async def run() -> None:
         socket = WebSocket({"type": "websocket"}, receive, send)
         await socket.accept()
-        client = hub.Client("slow", socket, served.studio)
+        client = hub.Client("slow", socket, served.app_state)
         for number in range(hub.OUTBOX + 3):
             client.tell(str(number))
         sending = asyncio.create_task(client.send())
@@ -61,7 +61,7 @@ def test_a_client_that_stood_still_in_the_middle_of_a_message_gets_one_as_well(
 
         socket = WebSocket({"type": "websocket"}, receive, send)
         await socket.accept()
-        client = hub.Client("slow", socket, served.studio)
+        client = hub.Client("slow", socket, served.app_state)
         client.tell("stuck")
         sending = asyncio.create_task(client.send())
         async with asyncio.timeout(20.0):
@@ -98,9 +98,9 @@ def test_a_connection_ends_as_soon_as_nothing_can_be_sent_any_more(served: Serve
         accepted: list[bool] = []
         socket = WebSocket({"type": "websocket"}, receive, send)
         await socket.accept()
-        studio = served.studio
-        client = hub.Client("gone", socket, studio)
-        conversation = live.Conversation(client, studio, hub.Hub(studio))
+        app_state = served.app_state
+        client = hub.Client("gone", socket, app_state)
+        conversation = live.Conversation(client, app_state, hub.Hub(app_state))
         async with asyncio.timeout(20.0):
             await live._talk(socket, client, conversation)
 
@@ -113,7 +113,7 @@ def test_one_failure_to_tell_is_not_the_last_news(
     with joined(served) as client:
         hear(client, "state")
         with monkeypatch.context() as patched:
-            patched.setattr(served.studio, "state", lambda: 1 / 0)
+            patched.setattr(served.app_state, "state", lambda: 1 / 0)
             end = time.monotonic() + 20.0
             while "could not tell" not in caplog.text and time.monotonic() < end:
                 time.sleep(0.01)

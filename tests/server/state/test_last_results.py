@@ -27,8 +27,8 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 @pytest.fixture
 def owner(shared: Served) -> httpx.Client:
     """The owner, who has just begun an experiment with short runs."""
-    shared.studio.results = LastResults()
-    shared.studio.document.replace(Experiment.from_document(SHORT))
+    shared.app_state.results = LastResults()
+    shared.app_state.document.replace(Experiment.from_document(SHORT))
     return shared.http
 
 
@@ -67,7 +67,7 @@ def test_a_watcher_reads_the_owners_last_response_and_computes_nothing(
     assert watcher.get(RESPONSE).content == answer
     length = int.from_bytes(answer[:4], "little")
     head = json.loads(answer[4 : 4 + length])
-    assert head["revision"] == shared.studio.document.revision - 1
+    assert head["revision"] == shared.app_state.document.revision - 1
     assert watcher.post("/api/preview", json={}).status_code == 403
 
 

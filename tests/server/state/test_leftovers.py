@@ -89,7 +89,7 @@ def test_a_ring_is_freed_at_once_when_its_readers_have_gone_or_gone_on(served: S
         text(reader, "hello")
         for _ in range(5):
             ask_and_break_off(served)
-        ring = weakref.ref(served.studio.session.telemetry)
+        ring = weakref.ref(served.app_state.session.telemetry)
         served.http.patch("/api/experiment", json={"lanes": {"Rival": {"law": "smc"}}})
         while not any(lane["name"] == "Rival" for lane in text(reader, "hello")["lanes"]):
             pass

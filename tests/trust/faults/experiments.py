@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import numpy as np
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
@@ -109,7 +109,7 @@ def run_whole(document: Document, judged: bool = False) -> str:
     told: dict[str, Any] = {"report": report(run, 0.0)}
     packed = pack(experiment)
     for name in experiment.lanes:
-        told[name] = [asdict(note) for note in notes(packed, name)], worst_margin(packed, name)
+        told[name] = [asdict(note) for note in advice_on(packed, name)], worst_margin(packed, name)
     json.dumps(told, allow_nan=False)
     first = next(iter(experiment.lanes))
     encode_responses({}, {first: lane_response(experiment, first)})

@@ -7,7 +7,7 @@ from functools import lru_cache
 from random import Random
 from typing import Any
 
-from slidetune.robot.advice.advice import notes
+from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
@@ -122,6 +122,6 @@ def _unready(experiment: Experiment) -> tuple[str, str] | None:
         cause = unclear(str(error), fields, "")
         return None if cause is None else (cause, str(error)[:300])
     for name in packed.gains:
-        found = [vars(note) for note in notes(packed, name)]
+        found = [vars(note) for note in advice_on(packed, name)]
         json.dumps([found, worst_margin(packed, name)], allow_nan=False)
     return None

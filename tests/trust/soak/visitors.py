@@ -26,7 +26,7 @@ from tests.server.scene.viser_client import ViserClient
 GAINS = ("nu", "c", "k1", "k2", "epsilon")
 PAGES = (
     "/",
-    "/static/api.js",
+    "/static/api/api.js",
     "/scene/",
     "/api/health",
     "/api/schema",

@@ -12,7 +12,7 @@ from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.kernels.workspace import (
     AD,
     QD,
@@ -54,12 +54,12 @@ def s_dot(lane: dict[str, Any], seed: int, **experiment: Any) -> tuple[Array, Ar
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
     truth = dynamics(packed.model, work[Q], work[V])
-    belief = dynamics(packed.nominal or packed.model, work[Q], work[V])
+    nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
     truth.refill()
-    belief.refill()
+    nominal.refill()
     gains, record = packed.gains["A"], np.zeros((1, RECORD_COLUMNS))
-    wiring = wire(truth, belief, gains, packed.world, packed.trajectory, work, record)
-    LAWS[lane["law"]].sample(random.uniform(0, 5), 0, 0, wiring)
+    table = kernel_table(truth, nominal, gains, packed.environment, packed.trajectory, work, record)
+    LAWS[lane["law"]].sample(random.uniform(0, 5), 0, 0, table)
     M, nle = truth.inertia, truth.bias
     a = np.linalg.solve(M, work[TAU] - nle)
     return work[S_V] * (work[AD] - a) + work[S_E] * (work[VD] - v), work

@@ -10,29 +10,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slidetune.robot.environment.disturbance import (
-    LIMIT,
-    SENSOR,
-    TONE_OMEGA,
-    TONE_PHASE,
-    Disturbance,
-    disturbance_torque,
-    external_torque,
-    measure,
-    pack_world,
-)
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.external_torque import disturbance_torque, external_torque
+from slidetune.robot.environment.layout import LIMIT, TONE_OMEGA, TONE_PHASE, pack_environment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import (
     CURRENT,
     DISTURBANCE,
     F_SLOPE,
     HALF,
-    MEASURED_Q,
-    MEASURED_V,
     PUSH,
     WORK_ROWS,
     F,
-    Q,
     V,
 )
 
@@ -40,8 +29,8 @@ Array = np.ndarray
 SIX = [1.0, -2.0, 3.0, 0.0, 0.5, -0.1]
 
 
-def world(friction: float | list[float] = 0.0, coulomb: float = 0.0, **changes: Any) -> Array:
-    return pack_world(Disturbance.model_validate(changes), friction, coulomb, None)
+def environment(friction: float | list[float] = 0.0, coulomb: float = 0.0, **changes: Any) -> Array:
+    return pack_environment(Disturbance.model_validate(changes), friction, coulomb, None)
 
 
 def torques(numbers: Array, times: Array) -> Array:
@@ -53,26 +42,26 @@ def torques(numbers: Array, times: Array) -> Array:
     return np.array(rows)
 
 
-def at_velocity(numbers: Array, v: Array | float, base: int = CURRENT) -> tuple[Array, Array]:
+def at_velocity(numbers: Array, v: Array | float, state: int = CURRENT) -> tuple[Array, Array]:
     work = np.zeros((WORK_ROWS, JOINTS))
-    work[base + V] = v
-    external_torque(0.3, 0.0, base, numbers, work)
+    work[state + V] = v
+    external_torque(0.3, 0.0, state, numbers, work)
     return work[F].copy(), work[F_SLOPE].copy()
 
 
 def test_nothing_acts_by_default() -> None:
-    assert not torques(world(), np.linspace(0, 9, 50)).any()
-    assert np.isinf(world()[LIMIT]).all()
+    assert not torques(environment(), np.linspace(0, 9, 50)).any()
+    assert np.isinf(environment()[LIMIT]).all()
 
 
 def test_constant_torque_is_constant() -> None:
-    found = torques(world(constant=SIX), np.array([0.0, 1.0, 77.0]))
+    found = torques(environment(constant=SIX), np.array([0.0, 1.0, 77.0]))
     np.testing.assert_array_equal(found, [SIX] * 3)
 
 
 def test_sine_has_its_amplitude_frequency_and_phase() -> None:
     times = np.linspace(0.0, 2.0, 101)
-    found = torques(world(sine={"amplitude": SIX, "frequency": 1.5, "phase": 0.4}), times)
+    found = torques(environment(sine={"amplitude": SIX, "frequency": 1.5, "phase": 0.4}), times)
     expected = np.sin(2.0 * np.pi * 1.5 * times + 0.4)[:, None] * np.array(SIX)
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
@@ -82,7 +71,7 @@ def test_sine_has_its_amplitude_frequency_and_phase() -> None:
 )
 def test_single_pulse_comes_and_goes(t: float, on: int) -> None:
     pulse = {"amplitude": SIX, "start": 1.0, "duration": 0.25}
-    found = torques(world(pulse=pulse), np.array([t]))[0]
+    found = torques(environment(pulse=pulse), np.array([t]))[0]
     np.testing.assert_array_equal(found, on * np.array(SIX))
 
 
@@ -91,7 +80,7 @@ def test_single_pulse_comes_and_goes(t: float, on: int) -> None:
 )
 def test_periodic_pulse_comes_again_but_not_before_its_start(t: float, on: int) -> None:
     pulse = {"amplitude": SIX, "start": 1.0, "duration": 0.25, "period": 2.0}
-    found = torques(world(pulse=pulse), np.array([t]))[0]
+    found = torques(environment(pulse=pulse), np.array([t]))[0]
     np.testing.assert_array_equal(found, on * np.array(SIX))
 
 
@@ -106,15 +95,15 @@ def test_sources_add_up() -> None:
     together: dict[str, Any] = {}
     for part in parts:
         together |= part
-    alone = sum(torques(world(**part), times) for part in parts)
-    np.testing.assert_allclose(torques(world(**together), times), alone, atol=1e-12)
+    alone = sum(torques(environment(**part), times) for part in parts)
+    np.testing.assert_allclose(torques(environment(**together), times), alone, atol=1e-12)
 
 
 def test_noise_has_its_effective_value_on_every_joint() -> None:
     amplitude = np.array([1.0, 2.0, 0.5, 10.0, 0.0, 3.0])
     times = np.arange(0.0, 200.0, 0.04)
     noise = {"amplitude": amplitude.tolist(), "bandwidth": 8.0}
-    found = torques(world(noise=noise), times)
+    found = torques(environment(noise=noise), times)
     np.testing.assert_allclose(np.sqrt((found**2).mean(axis=0)), amplitude, rtol=0.03)
     np.testing.assert_allclose(found.mean(axis=0), 0.0, atol=0.05 * amplitude.max())
 
@@ -123,7 +112,7 @@ def test_noise_has_its_effective_value_on_every_joint() -> None:
 def test_noise_fills_its_band_and_nothing_above(bandwidth: float) -> None:
     rate = 5.0 * bandwidth
     times = np.arange(0.0, 4096.0) / rate
-    found = torques(world(noise={"amplitude": 1.0, "bandwidth": bandwidth}), times)
+    found = torques(environment(noise={"amplitude": 1.0, "bandwidth": bandwidth}), times)
     power = np.abs(np.fft.rfft(found * np.blackman(4096)[:, None], axis=0)) ** 2
     frequency = np.fft.rfftfreq(4096, 1.0 / rate)
     above = power[frequency > 1.05 * bandwidth].sum(axis=0) / power.sum(axis=0)
@@ -135,24 +124,24 @@ def test_noise_fills_its_band_and_nothing_above(bandwidth: float) -> None:
 
 
 def test_joints_are_disturbed_independently() -> None:
-    found = torques(world(noise={"amplitude": 1.0}), np.arange(0.0, 200.0, 0.04))
+    found = torques(environment(noise={"amplitude": 1.0}), np.arange(0.0, 200.0, 0.04))
     correlation = np.corrcoef(found.T) - np.eye(JOINTS)
     assert np.abs(correlation).max() < 0.1
 
 
 @given(st.integers(0, 2**31 - 1))
 def test_same_seed_gives_the_same_bits_and_another_does_not(seed: int) -> None:
-    numbers = world(noise={"amplitude": 1.0}, seed=seed)
-    np.testing.assert_array_equal(numbers, world(noise={"amplitude": 1.0}, seed=seed))
-    other = world(noise={"amplitude": 1.0}, seed=seed ^ 1)
+    numbers = environment(noise={"amplitude": 1.0}, seed=seed)
+    np.testing.assert_array_equal(numbers, environment(noise={"amplitude": 1.0}, seed=seed))
+    other = environment(noise={"amplitude": 1.0}, seed=seed ^ 1)
     tones = slice(TONE_OMEGA, TONE_PHASE)
     assert (numbers[tones] != other[tones]).all()
 
 
 def test_noise_of_one_joint_does_not_depend_on_the_others() -> None:
     times = np.linspace(0.0, 5.0, 60)
-    alone = torques(world(noise={"amplitude": [0, 0, 1, 0, 0, 0]}), times)
-    together = torques(world(noise={"amplitude": [5, 4, 1, 3, 2, 1]}), times)
+    alone = torques(environment(noise={"amplitude": [0, 0, 1, 0, 0, 0]}), times)
+    together = torques(environment(noise={"amplitude": [5, 4, 1, 3, 2, 1]}), times)
     np.testing.assert_array_equal(alone[:, 2], together[:, 2])
     assert not alone[:, [0, 1, 3, 4, 5]].any()
 
@@ -160,14 +149,14 @@ def test_noise_of_one_joint_does_not_depend_on_the_others() -> None:
 def test_viscous_friction_is_proportional_to_the_velocity() -> None:
     friction = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
     v = np.array([1.0, -1.0, 0.5, 2.0, -3.0, 0.0])
-    torque, slope = at_velocity(world(friction), v)
+    torque, slope = at_velocity(environment(friction), v)
     np.testing.assert_allclose(torque, friction * v)
     np.testing.assert_array_equal(slope, friction)
 
 
 @given(st.floats(-10.0, 10.0))
 def test_coulomb_friction_opposes_and_saturates(v: float) -> None:
-    torque, slope = at_velocity(world(coulomb=6.0), v)
+    torque, slope = at_velocity(environment(coulomb=6.0), v)
     np.testing.assert_allclose(torque, 6.0 * np.tanh(v / 0.02), atol=1e-12)
     assert np.isfinite(slope).all()
     assert (slope >= 0.0).all()
@@ -175,89 +164,25 @@ def test_coulomb_friction_opposes_and_saturates(v: float) -> None:
 
 @given(st.floats(-0.1, 0.1))
 def test_friction_slope_is_the_derivative(v: float) -> None:
-    numbers = world(2.0, coulomb=6.0)
+    numbers = environment(2.0, coulomb=6.0)
     ahead, behind = at_velocity(numbers, v + 1e-7)[0], at_velocity(numbers, v - 1e-7)[0]
     np.testing.assert_allclose(at_velocity(numbers, v)[1], (ahead - behind) / 2e-7, rtol=1e-4)
 
 
 def test_friction_looks_at_the_state_it_is_told() -> None:
-    assert at_velocity(world(1.0), 3.0, base=HALF)[0].tolist() == [3.0] * JOINTS
+    assert at_velocity(environment(1.0), 3.0, state=HALF)[0].tolist() == [3.0] * JOINTS
 
 
 def test_a_push_helps_the_joints_instead_of_taking_from_them() -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[PUSH] = SIX
-    external_torque(0.0, 0.0, CURRENT, world(constant=1.0), work)
+    external_torque(0.0, 0.0, CURRENT, environment(constant=1.0), work)
     np.testing.assert_allclose(work[F], 1.0 - np.array(SIX))
-
-
-def measured(numbers: Array, samples: list[int]) -> tuple[Array, Array]:
-    """Return what is measured of a state at rest in 0. Shapes (n, 6)."""
-    work, rows = np.zeros((WORK_ROWS, JOINTS)), []
-    for sample in samples:
-        measure(sample, numbers, work)
-        rows.append(work[[MEASURED_Q, MEASURED_V]])
-    q, v = np.moveaxis(np.array(rows), 1, 0)
-    return q, v
-
-
-def noisy(position: float = 0.001, velocity: float = 0.05, seed: int = 1) -> Array:
-    return world(sensor_noise={"position": position, "velocity": velocity}, seed=seed)
-
-
-def test_sensors_are_exact_without_noise() -> None:
-    work = np.random.default_rng(1).normal(size=(WORK_ROWS, JOINTS))
-    measure(5, world(), work)
-    np.testing.assert_array_equal(work[MEASURED_Q], work[Q])
-    np.testing.assert_array_equal(work[MEASURED_V], work[V])
-
-
-def test_sensor_noise_has_its_deviation_and_no_mean() -> None:
-    q, v = measured(noisy(), list(range(20_000)))
-    np.testing.assert_allclose(q.std(axis=0), 0.001, rtol=0.03)
-    np.testing.assert_allclose(v.std(axis=0), 0.05, rtol=0.03)
-    assert np.abs(q.mean(axis=0)).max() < 4 * 0.001 / np.sqrt(20_000)
-    assert np.abs(v.mean(axis=0)).max() < 4 * 0.05 / np.sqrt(20_000)
-
-
-def test_sensor_noise_is_normal_and_white() -> None:
-    q, v = measured(noisy(), list(range(20_000)))
-    both = np.hstack([q / 0.001, v / 0.05])
-    np.testing.assert_allclose((both**4).mean(axis=0), 3.0, atol=0.25)
-    assert np.abs(np.corrcoef(both.T) - np.eye(2 * JOINTS)).max() < 0.03
-    for lag in (1, 2, 7):
-        assert np.abs((both[lag:] * both[:-lag]).mean(axis=0)).max() < 0.03
-
-
-def test_sensor_noise_does_not_depend_on_the_order_of_looking() -> None:
-    forward = measured(noisy(), [3, 4, 5, 900])
-    backward = measured(noisy(), [900, 5, 4, 3])
-    for one, other in zip(forward, backward, strict=True):
-        np.testing.assert_array_equal(one, other[::-1])
-
-
-def test_sensor_noise_follows_the_seed() -> None:
-    first, again, other = (measured(noisy(seed=seed), [0, 1, 2]) for seed in (4, 4, 5))
-    np.testing.assert_array_equal(first, again)
-    assert (first[0] != other[0]).all()
-
-
-@pytest.mark.parametrize("seed", [0, 1, 2, 2**31 - 1])
-def test_no_sample_is_an_outlier(seed: int) -> None:
-    q, v = measured(noisy(seed=seed), list(range(2000)))
-    assert max(np.abs(q / 0.001).max(), np.abs(v / 0.05).max()) < 5.5
-
-
-def test_noise_on_the_angle_alone_leaves_the_velocity() -> None:
-    q, v = measured(noisy(velocity=0.0), [1, 2])
-    assert q.any()
-    assert not v.any()
-    assert world()[SENSOR, :2].tolist() == [0.0, 0.0]
 
 
 def impulse(document: dict[str, Any], edges: Array) -> Array:
     """Return the impulse in [N m s] that the means over the given steps add up to. Shape (6,)."""
-    numbers, work, total = world(**document), np.zeros((WORK_ROWS, JOINTS)), np.zeros(JOINTS)
+    numbers, work, total = environment(**document), np.zeros((WORK_ROWS, JOINTS)), np.zeros(JOINTS)
     for start, end in pairwise(edges):
         disturbance_torque(start, end - start, numbers, work)
         total += (end - start) * work[DISTURBANCE]
@@ -298,7 +223,7 @@ def test_a_swing_and_noise_give_their_impulse_whatever_the_step(steps: int) -> N
 
 def test_the_mean_over_no_time_is_the_torque_itself() -> None:
     document = {"sine": {"amplitude": 5.0, "frequency": 3.0}, "noise": {"amplitude": 1.0}}
-    numbers, work = world(**document), np.zeros((WORK_ROWS, JOINTS))
+    numbers, work = environment(**document), np.zeros((WORK_ROWS, JOINTS))
     disturbance_torque(0.2, 0.0, numbers, work)
     instant = work[DISTURBANCE].copy()
     disturbance_torque(0.2, 1e-7, numbers, work)

@@ -6,9 +6,10 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import Dynamics
-from slidetune.robot.environment.disturbance import Disturbance, pack_world
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import wire
+from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
 from slidetune.robot.motion.trajectory import HoldTrajectory, pack_trajectory
 
@@ -27,23 +28,23 @@ def arm_of(inertia: Array, bias: Array) -> Dynamics:
     )
 
 
-def wired(
+def table_of(
     work: Array | None = None,
     *,
     arm: Dynamics | None = None,
     gains: Array | None = None,
-    world: Array | None = None,
+    environment: Array | None = None,
     trajectory: Array | None = None,
     record: Array | None = None,
     step: float = 0.0,
 ) -> Array:
-    """A wiring of what is given: the rest is an arm of unit inertia at rest in a quiet world."""
+    """A table of what is given: the rest is an arm of unit inertia at rest, undisturbed."""
     arm = arm or arm_of(np.eye(JOINTS), np.zeros(JOINTS))
-    return wire(
+    return kernel_table(
         arm,
         arm,
         np.zeros((1, JOINTS)) if gains is None else gains,
-        pack_world(Disturbance(), 0.0, 0.0, None) if world is None else world,
+        pack_environment(Disturbance(), 0.0, 0.0, None) if environment is None else environment,
         pack_trajectory(HoldTrajectory()) if trajectory is None else trajectory,
         np.zeros((WORK_ROWS, JOINTS)) if work is None else work,
         np.zeros((1, RECORD_COLUMNS)) if record is None else record,

@@ -1,0 +1,79 @@
+"""Disturbance, friction, limits and sensor noise as the one array that the kernels read."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from slidetune.robot.environment.disturbance import Disturbance
+from slidetune.robot.fields.quantity import JOINTS, PerJoint
+
+Array = np.ndarray
+
+TONES = 16
+"""Sines of random phase that make one joint's band-limited noise (*ours*)."""
+
+VISCOUS, COULOMB, LIMIT, CONSTANT, SINE, PULSE, NOISE, COMMON = range(8)
+TONE_OMEGA = 8
+TONE_PHASE = TONE_OMEGA + TONES
+ENVIRONMENT_ROWS = TONE_PHASE + TONES
+# Columns of the row COMMON.
+OMEGA, PHASE, START, DURATION, PERIOD, BITS = range(6)
+# Bits of the column BITS: which parts of the environment there are.
+SWINGS, PULSES, NOISES, RUBS, LIMITS = 1, 2, 4, 8, 16
+KINKS = RUBS | LIMITS
+# Sensor noise stands in a row of its own, after the tones.
+SENSOR = ENVIRONMENT_ROWS
+SENSOR_Q, SENSOR_V, SEED = range(3)
+
+
+def pack_environment(
+    disturbance: Disturbance, viscous: PerJoint, coulomb: PerJoint, torque_limit: PerJoint | None
+) -> Array:
+    """Return disturbance, friction and limits as numbers.
+
+    Args:
+        disturbance: the disturbance.
+        viscous: viscous friction in [N m s/rad].
+        coulomb: Coulomb friction in [N m].
+        torque_limit: torque limits in [N m], ``None`` for none.
+
+    Returns:
+        Shape (ENVIRONMENT_ROWS + 1, 6).
+    """
+    environment = np.zeros((ENVIRONMENT_ROWS + 1, JOINTS))
+    environment[VISCOUS], environment[COULOMB] = viscous, coulomb
+    environment[LIMIT] = np.inf if torque_limit is None else torque_limit
+    environment[CONSTANT], environment[SINE] = disturbance.constant, disturbance.sine.amplitude
+    environment[PULSE], environment[NOISE] = (
+        disturbance.pulse.amplitude,
+        disturbance.noise.amplitude,
+    )
+    pulse, sine = disturbance.pulse, disturbance.sine
+    common = [2.0 * pi * sine.frequency, sine.phase, pulse.start, pulse.duration, pulse.period]
+    bits = sum(
+        bit
+        for bit, active in (
+            (SWINGS, np.any(environment[SINE])),
+            (PULSES, np.any(environment[PULSE])),
+            (NOISES, np.any(environment[NOISE])),
+            (RUBS, np.any(environment[COULOMB])),
+            (LIMITS, np.any(np.isfinite(environment[LIMIT]))),
+        )
+        if active
+    )
+    environment[COMMON, :6] = [*common, float(bits)]
+    if bits & NOISES:
+        _pack_tones(disturbance, environment)
+    noise = disturbance.sensor_noise
+    environment[SENSOR, :3] = noise.position, noise.velocity, disturbance.seed
+    return environment
+
+
+def _pack_tones(disturbance: Disturbance, environment: Array) -> None:
+    """Spread the tones over the band, one in each of TONES equal parts, all of equal power."""
+    random = np.random.default_rng(disturbance.seed)
+    parts = (np.arange(TONES)[:, None] + random.random((TONES, JOINTS))) / TONES
+    environment[TONE_OMEGA:TONE_PHASE] = 2.0 * pi * disturbance.noise.bandwidth * parts
+    environment[TONE_PHASE:ENVIRONMENT_ROWS] = 2.0 * pi * random.random((TONES, JOINTS))
