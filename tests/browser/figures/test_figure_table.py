@@ -123,3 +123,24 @@ def test_a_busy_server_is_asked_for_the_schema_again(
     expect(heads(screen.locator("#metrics")).nth(1)).to_have_text(heading(FIGURES["mae"], 1))
     expect(screen.locator(".control").first).to_be_visible()
     screen.unroute(SCHEMA)
+
+
+def test_a_change_and_the_best_are_judged_by_which_way_is_better(
+    screen: Page, dashboard: Dashboard
+) -> None:
+    screen.goto(dashboard.url)
+    judged = screen.evaluate(
+        """async () => {
+          const [{changeOf}, {best}] = await Promise.all([
+            import('/static/figures/change.js'), import('/static/figures/columns.js')]);
+          const column = (better) => ({figure: {better, digits: 2}});
+          return ['less', 'more', 'none'].map((better) => [
+            changeOf(2, 1, better).text, changeOf(2, 5, better).text,
+            changeOf(2, 5, better).kind, best(column(better), [1.234, null, 5])]);
+        }"""
+    )
+    assert judged == [
+        ["▼ 50 % better", "▲ 2.5× worse", "worse", "1.2"],
+        ["▼ 50 % worse", "▲ 2.5× better", "better", "5.0"],
+        ["▼ 50 %", "▲ 2.5×", "none", None],
+    ]
