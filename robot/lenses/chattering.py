@@ -8,6 +8,7 @@ import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.metrics import HIGH_FREQUENCY, torque_spectrum, total_variation
 from slidetune.robot.loop.simulate import LaneRun
 
@@ -56,8 +57,8 @@ class ChatteringView:
     variation: float
     switches: float
     above: float | None
-    mae: float
-    max_error: float
+    mae: float | None
+    max_error: float | None
     quiet: ChatteringView | None = None
 
 
@@ -124,7 +125,7 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
         variation=metrics.chattering,
         switches=float(switches.sum()),
         above=metrics.high_frequency_torque,
-        mae=float(np.mean(metrics.mae)),
-        max_error=float(np.max(metrics.max_error)),
+        mae=FIGURES["mae"].overall(metrics.mae),
+        max_error=FIGURES["max_error"].overall(metrics.max_error),
         quiet=None if quiet is None else look(packed, name, quiet),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any, Literal
 
@@ -15,6 +15,7 @@ from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS, Section, refusal
 from slidetune.robot.kernels.workspace import NODES
 from slidetune.robot.laws.terms.network import NetworkGains
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.metrics import Metrics
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.robot.margins.margin import margin_limit, worst_margin
@@ -132,19 +133,41 @@ class LessonMetric:
     """Something that a claim can be about.
 
     Attributes:
-        unit: unit of the value, empty for none.
-        value: works it out.
+        unit: unit in which it is quoted, empty for none.
+        value: works it out in SI units.
+        factor: from these to ``unit``.
         label: what it is called beside a live one; empty where it follows from the gains alone.
+        whole: whether it belongs to a lane as a whole rather than to a joint.
     """
 
     unit: str
     value: Callable[[Look], float]
+    factor: float = 1.0
     label: str = ""
+    whole: bool = False
+
+
+def _figure(name: str, value: Callable[[Look], float]) -> LessonMetric:
+    """Return a metric that is a figure, or worked out as another one of the same kind."""
+    figure = FIGURES[name]
+    return LessonMetric(
+        figure.shown_unit, value, figure.factor, figure.label, whole=not figure.per_joint
+    )
+
+
+def _of_run(name: str) -> LessonMetric:
+    """Return a metric that is a figure of the run."""
+
+    def value(look: Look) -> float:
+        known = getattr(look.figures, name)
+        return np.nan if known is None else look.of_joint(known)
+
+    return _figure(name, value)
 
 
 def _error_at(look: Look) -> float:
     row = int(np.searchsorted(look.run.time, (look.claim.at or 0.0) - 1e-9))
-    return 1e3 * look.of_joint(np.abs(look.lane.e[row]))
+    return look.of_joint(np.abs(look.lane.e[row]))
 
 
 def _reaching_time(look: Look) -> float:
@@ -154,18 +177,13 @@ def _reaching_time(look: Look) -> float:
     return look.of_joint([np.inf if t is None else t for t in look.figures.reaching_time])
 
 
-def _high_frequency_torque(look: Look) -> float:
-    value = look.figures.high_frequency_torque
-    return np.nan if value is None else value
-
-
 def _sign_changes(look: Look) -> float:
-    """Return at how many of the rows S has another sign than at the one before, in percent."""
+    """Return at how many of the rows S has another sign than at the one before, as a share."""
     S = look.lane.S[look.run.time >= look.claim.since]
     if not np.isfinite(S).all():
         return np.nan  # the lane ended: what came after is neither a change nor none
     positive = S > 0.0
-    return 100.0 * look.of_joint((positive[1:] != positive[:-1]).mean(axis=0))
+    return look.of_joint((positive[1:] != positive[:-1]).mean(axis=0))
 
 
 def _only_lane(look: Look) -> Experiment:
@@ -200,47 +218,39 @@ def _network_stiffness(gains: Any) -> Array:
 
 
 def _proportional_share(look: Look) -> float:
-    r"""Return how much of f is proportional to e, in percent.
+    r"""Return how much of f is proportional to e, as a share.
 
     The part :math:`p = c\,\varphi\sum_j h_j^2\,(e - e(0))` is projected on f: its share and that of
     the rest add up.
 
-    .. math:: 100\,\frac{\int p f\,dt}{\int f^2\,dt}
+    .. math:: \frac{\int p f\,dt}{\int f^2\,dt}
     """
     f, part = look.lane.f, _network_stiffness(look.gains) * (look.lane.e - look.lane.e[0])
-    return 100.0 * look.of_joint((part * f).sum(axis=0) / np.square(f).sum(axis=0))
+    return look.of_joint((part * f).sum(axis=0) / np.square(f).sum(axis=0))
 
 
 def _integrator_gap(look: Look) -> float:
-    r"""Return how far f is from :math:`10\,\varphi\int S\,dt`, in percent of its greatest value."""
+    r"""Return how far f is from :math:`10\,\varphi\int S\,dt`, as a share of its greatest value."""
     period, S = look.run.time[1], look.lane.S
     integral = np.vstack([np.zeros(JOINTS), np.cumsum(0.5 * period * (S[1:] + S[:-1]), axis=0)])
     gap = np.abs(look.lane.f - NODES * np.asarray(look.gains.learning_rate) * integral)
-    return 100.0 * look.of_joint(gap.max(axis=0)) / look.of_joint(np.abs(look.lane.f).max(axis=0))
+    return look.of_joint(gap.max(axis=0)) / look.of_joint(np.abs(look.lane.f).max(axis=0))
 
 
 METRICS: dict[Metric, LessonMetric] = {
-    "mean_error": LessonMetric(
-        "mrad", lambda look: 1e3 * look.of_joint(look.figures.mae), "mean |e|"
-    ),
-    "max_error": LessonMetric(
-        "mrad", lambda look: 1e3 * look.of_joint(look.figures.max_error), "greatest |e|"
-    ),
-    "error_at": LessonMetric("mrad", _error_at, "|e|"),
-    "reaching_time": LessonMetric("s", _reaching_time, "reaching time"),
-    "peak_torque": LessonMetric(
-        "N·m", lambda look: look.of_joint(look.figures.peak_torque), "greatest |τ|"
-    ),
-    "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering, "chattering"),
-    "sign_changes": LessonMetric("%", _sign_changes, "side changes of S"),
-    "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque, "torque above 50 Hz"),
-    "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms, "flange RMS"),
-    "flange_max": LessonMetric(
-        "mm", lambda look: 1e3 * look.figures.flange_max, "greatest flange error"
-    ),
-    "sampling_margin": LessonMetric("", _sampling_margin, "γ"),
-    "margin_limit": LessonMetric(
-        "", lambda look: margin_limit(look.run.experiment.simulation), "γ border"
+    "mean_error": _of_run("mae"),
+    "max_error": _of_run("max_error"),
+    "error_at": replace(_figure("mae", _error_at), label="|e|"),
+    "reaching_time": _figure("reaching_time", _reaching_time),
+    "peak_torque": _of_run("peak_torque"),
+    "chattering": _of_run("chattering"),
+    "sign_changes": LessonMetric("%", _sign_changes, 100.0, "side changes of S"),
+    "high_frequency_torque": _of_run("high_frequency_torque"),
+    "flange_rms": _of_run("flange_rms"),
+    "flange_max": _of_run("flange_max"),
+    "sampling_margin": _figure("gamma", _sampling_margin),
+    "margin_limit": _figure(
+        "gamma_limit", lambda look: margin_limit(look.run.experiment.simulation)
     ),
     "time_constant": LessonMetric(
         "s", lambda look: look.of_joint(np.divide(look.gains.c, look.gains.nu))
@@ -251,13 +261,14 @@ METRICS: dict[Metric, LessonMetric] = {
     "network_stiffness": LessonMetric(
         "N·m/rad", lambda look: look.of_joint(_network_stiffness(look.gains))
     ),
-    "proportional_share": LessonMetric("%", _proportional_share),
+    "proportional_share": LessonMetric("%", _proportional_share, 100.0),
     "least_gaussian": LessonMetric("", _least_gaussian),
-    "integrator_gap": LessonMetric("%", _integrator_gap),
+    "integrator_gap": LessonMetric("%", _integrator_gap, 100.0),
 }
 """What a claim can be about, by name."""
 
 
 def measured(claim: Claim, run: Run) -> float:
     """Return what a run shows for a claim, in the metric's unit, before any ``than``."""
-    return METRICS[claim.metric].value(Look(run, claim))
+    metric = METRICS[claim.metric]
+    return metric.factor * metric.value(Look(run, claim))

@@ -15,17 +15,6 @@ from slidetune.robot.lessons.lesson import LoadedLesson
 from slidetune.robot.loop.response import only_lane
 
 QUOTED = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-_ALL_JOINTS: frozenset[Metric] = frozenset(
-    {
-        "chattering",
-        "high_frequency_torque",
-        "flange_rms",
-        "flange_max",
-        "sampling_margin",
-        "margin_limit",
-    }
-)
-"""Metrics of a lane as a whole."""
 _BEFORE: dict[Bound, str] = {"about": "", "at_least": "> ", "at_most": "< "}
 
 
@@ -37,7 +26,8 @@ class Figure:
         label: what it is, such as ``chattering of tanh``.
         window: over which time, such as ``1 to 10 s``; empty where it belongs to no time.
         quoted: the number as texts quote it, without its unit.
-        unit: of the number and of what is measured.
+        unit: of the number, and in which what is measured is shown.
+        factor: from SI units to that.
         metric: what is measured.
         lane: where.
         joint: 1 to 6, ``None`` for all of them.
@@ -51,6 +41,7 @@ class Figure:
     window: str
     quoted: str
     unit: str
+    factor: float
     metric: Metric
     lane: str
     joint: int | None
@@ -103,7 +94,7 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
     metric = METRICS[claim.metric]
     until = seconds or experiment.simulation.horizon
     whose = f"{metric.label} of {claim.lane}"
-    if claim.metric not in _ALL_JOINTS:
+    if not metric.whole:
         whose += ", all joints" if claim.joint is None else f", joint {claim.joint}"
     if claim.metric in ("sampling_margin", "margin_limit"):
         window = ""
@@ -118,6 +109,7 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
         window=window,
         quoted=_BEFORE[claim.bound] + number,
         unit=metric.unit,
+        factor=metric.factor,
         metric=claim.metric,
         lane=claim.lane,
         joint=claim.joint,

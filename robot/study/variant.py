@@ -5,19 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
-
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.response import only_lane, quickened
 from slidetune.robot.loop.simulate import simulate
 
 LIMIT_CYCLE = 1000.0
 """Total variation of the torque [N m/s] per joint above which a lane counts as chattering hard
 (*ours*: smooth runs of the shipped presets stay below 300 for all joints together)."""
-
-METRICS = ("mae", "max_error", "chattering", "flange_rms")
-"""Figures by which variants are compared; smaller is better for each."""
 
 
 def figures(
@@ -35,14 +31,13 @@ def figures(
         cancelled: asked now and then.
 
     Returns:
-        ``mae`` [rad] and ``max_error`` [rad] over all joints, ``chattering`` [N m/s],
-        ``flange_rms`` [m], ``state`` (``good``, ``chattering``, ``diverged`` or ``refused``) and
-        ``reason``; the figures are ``None`` where there is no run to speak of.
+        One number for each of ``STUDIED``, ``state`` (``good``, ``chattering``, ``diverged`` or
+        ``refused``) and ``reason``; the figures are ``None`` where there is no run to speak of.
 
     Raises:
         CancelledError: if ``cancelled`` said yes.
     """
-    nothing: dict[str, Any] = dict.fromkeys(METRICS)
+    nothing: dict[str, Any] = dict.fromkeys(STUDIED)
     try:
         variant = quickened(only_lane(experiment.patched(patch), lane))
         result = simulate(variant, cancelled=cancelled, estimate=False).lanes[lane]
@@ -53,10 +48,7 @@ def figures(
     metrics = result.metrics
     hard = metrics.chattering > LIMIT_CYCLE * 6
     return {
-        "mae": float(np.mean(metrics.mae)),
-        "max_error": float(np.max(metrics.max_error)),
-        "chattering": metrics.chattering,
-        "flange_rms": metrics.flange_rms,
+        **{name: FIGURES[name].overall(getattr(metrics, name)) for name in STUDIED},
         "state": "chattering" if hard else "good",
         "reason": "",
     }

@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.server.contract.messages import (
     ErrorDetail,
     LawInfo,
@@ -85,31 +86,34 @@ class Since(BaseModel):
     )
 
 
+def _figure(name: str) -> Any:
+    return Field(description=FIGURES[name].description)
+
+
 class Figures(BaseModel):
     """How good a lane was over a span of time; what comes after a freeze is in none.
 
     Means are over time: after a change of step or control rate, each row counts by its own period.
+    How each is called and written stands in ``x-figures`` of ``GET /api/schema``.
     """
 
-    mae: _PerJoint = Field(description="Mean absolute error [rad], by joint.")
-    max_error: _PerJoint = Field(description="Greatest absolute error [rad], by joint.")
-    max_velocity_error: _PerJoint = Field(description="Greatest velocity error [rad/s], by joint.")
-    chattering: float = Field(description="Total variation of all torques by time [N·m/s].")
-    peak_torque: _PerJoint = Field(description="Greatest absolute torque [N·m], by joint.")
-    flange_rms: float = Field(description="Root mean square of the flange's distance [m].")
-    flange_max: float = Field(description="Greatest distance of the flange [m].")
+    mae: _PerJoint = _figure("mae")
+    max_error: _PerJoint = _figure("max_error")
+    max_velocity_error: _PerJoint = _figure("max_velocity_error")
+    chattering: float = _figure("chattering")
+    peak_torque: _PerJoint = _figure("peak_torque")
+    flange_rms: float = _figure("flange_rms")
+    flange_max: float = _figure("flange_max")
 
 
 class SamplingMargin(BaseModel):
     """What the control rate of a sampled controller leaves to spare."""
 
     stable: bool = Field(description="Whether a small deviation dies out.")
-    radius: float | None = Field(
-        description="Spectral radius of one control period within the boundary layer."
-    )
+    radius: float | None = _figure("radius")
     bounded: bool = Field(description="Whether what leaves the layer ends in a limit cycle.")
-    gamma: float | None = Field(description="Sampling margin of the reaching law.")
-    gamma_limit: float | None = Field(description="The gamma from which on this loop is unstable.")
+    gamma: float | None = _figure("gamma")
+    gamma_limit: float | None = _figure("gamma_limit")
 
 
 class Advice(BaseModel):

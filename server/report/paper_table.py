@@ -15,8 +15,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.simulate import LaneRun, Run
-from slidetune.server.report.run_report import NONE
+from slidetune.server.report.run_report import NONE, heading
 
 UNDISTURBED, DISTURBED, QUINTIC = "paper-undisturbed", "paper", "experiment-quintic"
 PRESETS = (UNDISTURBED, DISTURBED, QUINTIC)
@@ -38,16 +39,15 @@ STYLES: dict[Verdict, str] = {
     "different": "red",
     "fitted": "yellow",
 }
+_GREATEST = (FIGURES["max_error"], FIGURES["max_velocity_error"])
+_FLANGE = (FIGURES["flange_max"], FIGURES["flange_rms"])
 HEADINGS = (
     "law",
     "where from",
-    "joint 1 [rad]",
-    "joint 2 [rad]",
-    "joint 3 [rad]",
-    "max |e| [rad]",
-    "max |de| [rad/s]",
+    *(f"joint {joint} [{FIGURES['mae'].unit}]" for joint in (1, 2, 3)),
+    *(f"{figure.heading} [{figure.unit}]" for figure in _GREATEST),
 )
-FLANGE_HEADINGS = ("law", "preset", "max [mm]", "RMS [mm]")
+FLANGE_HEADINGS = ("law", "preset", *(heading(figure) for figure in _FLANGE))
 SOURCES = {UNDISTURBED: "S0: at rest, F = 0", DISTURBED: "S1: F inferred"}
 
 
@@ -134,12 +134,12 @@ def comparison(runs: Mapping[str, Run]) -> list[Row]:
     return rows
 
 
-def flange_rows(runs: Mapping[str, Run]) -> list[tuple[str, str, str, str]]:
+def flange_rows(runs: Mapping[str, Run]) -> list[tuple[str, ...]]:
     """Return law, preset, greatest and effective flange error in [mm] of the experiment."""
     rows = []
     for law in LAWS:
         metrics = runs[QUINTIC].lanes[law].metrics
-        errors = (f"{metrics.flange_max * 1e3:.1f}", f"{metrics.flange_rms * 1e3:.1f}")
+        errors = (f"{getattr(metrics, each.name) * each.factor:.1f}" for each in _FLANGE)
         rows.append((law, QUINTIC, *errors))
     return rows
 
@@ -187,8 +187,8 @@ def _styled(row: Row) -> list[Text]:
 
 def _table(headings: tuple[str, ...], words: int) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for index, heading in enumerate(headings):
-        table.add_column(Text(heading), justify="left" if index < words else "right")
+    for index, title in enumerate(headings):
+        table.add_column(Text(title), justify="left" if index < words else "right")
     return table
 
 

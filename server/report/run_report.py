@@ -15,40 +15,25 @@ from rich.text import Text
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.figures import FIGURES, Figure, figures_of
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.robot.margins.margin import loop_margin
 from slidetune.robot.version import __version__
 
 Document = dict[str, Any]
 
-UNITS = {
-    "mae": "rad",
-    "max_error": "rad",
-    "max_velocity_error": "rad/s",
-    "chattering": "N·m/s",
-    "high_frequency_torque": "N·m",
-    "peak_torque": "N·m",
-    "reaching_time": "s",
-    "flange_rms": "m",
-    "flange_max": "m",
-    "diverged_at": "s",
-    "error_estimate": "rad",
-}
+UNITS = {figure.name: figure.unit for figure in figures_of("run", "accuracy")}
 """Units of ``robot.loop.metrics.Metrics`` and ``robot.loop.accuracy.Accuracy``."""
 
-_PER_JOINT = (
-    ("mae", "mean |e|", "mrad", 1e3),
-    ("max_error", "max |e|", "mrad", 1e3),
-    ("max_velocity_error", "max |de|", "mrad/s", 1e3),
-    ("peak_torque", "peak |τ|", "N·m", 1.0),
-    ("reaching_time", "reaching time", "s", 1.0),
-)
-_OVERALL = (
-    ("chattering", "chattering", "N·m/s", 1.0),
-    ("high_frequency_torque", "τ > 50 Hz", "N·m", 1.0),
-    ("flange_rms", "flange RMS", "mm", 1e3),
-    ("flange_max", "flange max", "mm", 1e3),
-)
+_APART = "diverged_at"
+"""It is told of a lane without figures as well."""
+_PER_JOINT = [figure for figure in figures_of("run") if figure.per_joint]
+_OVERALL = [
+    figure for figure in figures_of("run") if not figure.per_joint and figure.name != _APART
+]
+_ESTIMATE = FIGURES["error_estimate"]
+_MORE_DIGITS = 1
+"""A report has room for so many digits more than the screen (*ours*)."""
 NONE = "—"
 
 
@@ -103,12 +88,17 @@ def json_text(document: Document) -> str:
     return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1)
 
 
-def figure(value: float | None, scale: float = 1.0) -> str:
-    """Return a number as a person reads it: four digits, thousands apart, no exponents above."""
+def figure_text(figure: Figure, value: float | None) -> str:
+    """Return a figure as a person reads it: thousands apart, no exponents above them."""
     if value is None:
         return NONE
-    scaled = value * scale
-    return f"{scaled:,.0f}" if abs(scaled) >= 1000.0 else f"{scaled:.4g}"
+    shown = value * figure.factor
+    return f"{shown:,.0f}" if abs(shown) >= 1000.0 else f"{shown:.{figure.digits + _MORE_DIGITS}g}"
+
+
+def heading(figure: Figure) -> str:
+    """Return what stands over a figure as people read it."""
+    return f"{figure.heading} [{figure.shown_unit}]"
 
 
 def _table(*headings: str, first: int) -> Table:
@@ -126,24 +116,26 @@ def _add(table: Table, cells: Sequence[str]) -> None:
 
 def _per_joint(lanes: Document) -> Table:
     table = _table("", "lane", *(f"J{j + 1}" for j in range(JOINTS)), first=2)
-    for key, title, unit, scale in _PER_JOINT:
-        heading = f"{title} [{unit}]"
+    for figure in _PER_JOINT:
+        title = heading(figure)
         for name, lane in lanes.items():
-            values = (lane["metrics"] or {}).get(key, [None] * JOINTS)
-            _add(table, [heading, name, *(figure(value, scale) for value in values)])
-            heading = ""
+            values = (lane["metrics"] or {}).get(figure.name, [None] * JOINTS)
+            _add(table, [title, name, *(figure_text(figure, value) for value in values)])
+            title = ""
         table.add_section()
     return table
 
 
 def _overall(lanes: Document) -> Table:
-    headings = (f"{title} [{unit}]" for _, title, unit, _ in _OVERALL)
-    table = _table("lane", *headings, "error estimate [mrad]", "diverged at [s]", first=1)
+    last = (_ESTIMATE, FIGURES[_APART])
+    titles = (f"{figure.title} [{figure.shown_unit}]" for figure in last)
+    table = _table("lane", *(heading(figure) for figure in _OVERALL), *titles, first=1)
     for name, lane in lanes.items():
-        metrics, frozen = lane["metrics"] or {}, lane["frozen"]
-        values = [figure(metrics.get(key), scale) for key, _, _, scale in _OVERALL]
-        estimate = figure(lane["accuracy"]["error_estimate"], 1e3)
-        _add(table, [name, *values, estimate, figure(frozen["time"] if frozen else None)])
+        metrics, frozen = lane["metrics"] or {}, lane["frozen"] or {}
+        values = [metrics.get(figure.name) for figure in _OVERALL]
+        values += [lane["accuracy"][_ESTIMATE.name], frozen.get("time")]
+        cells = map(figure_text, (*_OVERALL, *last), values)
+        _add(table, [name, *cells])
     return table
 
 

@@ -10,8 +10,10 @@ from fastapi import APIRouter, Body, Query, Request, Response
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import OR_YAML, YAML
+from slidetune.server.contract.schema import SchemaAnswer
 from slidetune.server.guard.plain_json import NotJsonError, read_json
 from slidetune.server.state.app_state import AppState, law_infos
 
@@ -19,6 +21,7 @@ REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},
     422: {"model": ErrorAnswer},
 }
+PUBLISHED: dict[int | str, dict[str, Any]] = {200: {"model": SchemaAnswer}}
 _PATCH = {"lanes": {"NFTSM": {"nu": 30}}}
 
 
@@ -62,14 +65,22 @@ def experiment_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live document."""
     router = APIRouter(prefix="/api", tags=["experiment"])
     document = app_state.document
+    published = {
+        **Experiment.model_json_schema(),
+        "x-laws": law_infos(),
+        "x-figures": [figure.document() for figure in FIGURES.values()],
+    }
 
     def present(waiting_steps: int = 0) -> dict[str, Any]:
         return answer(document.revision, document.preset, document.experiment, waiting_steps)
 
-    @router.get("/schema")
+    @router.get("/schema", response_model=None, responses=PUBLISHED)
     async def schema() -> dict[str, Any]:
-        """JSON Schema of an experiment with symbols, units and bounds; the laws in ``x-laws``."""
-        return {**Experiment.model_json_schema(), "x-laws": law_infos()}
+        """JSON Schema of an experiment with symbols, units and bounds.
+
+        The laws stand in ``x-laws``, the figures of a lane in ``x-figures``.
+        """
+        return published
 
     @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
     def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:

@@ -37,6 +37,7 @@ class LessonFigure(BaseModel):
     window: str = Field(description="Over which time, in words.")
     quoted: str
     unit: str
+    factor: float = Field(description="From SI units to `unit`.")
     metric: str
     lane: str
     joint: int | None = Field(description="null: all of them.")

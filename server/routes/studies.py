@@ -13,9 +13,10 @@ from pydantic import Field
 from starlette.types import Receive, Scope, Send
 
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.figures import STUDIED
 from slidetune.robot.study.knob import COUNT
 from slidetune.robot.study.plan import Trial, sensitivity, strip, switching_comparison
-from slidetune.robot.study.variant import METRICS, figures
+from slidetune.robot.study.variant import figures
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import BusyError, WorkerLostError
 from slidetune.server.contract.messages import ErrorAnswer, Strict
@@ -87,7 +88,7 @@ def studies_router(app_state: AppState) -> APIRouter:
                     arguments = experiment, lane, trial.patch
                     result = await app_state.workers.run(figures, *arguments, client=turn)
                 except (BusyError, WorkerLostError) as error:
-                    nothing = dict.fromkeys(METRICS)
+                    nothing = dict.fromkeys(STUDIED)
                     result = {**nothing, "state": "refused", "reason": str(error)}
                 row = {
                     "number": number,

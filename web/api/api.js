@@ -47,6 +47,9 @@ export {ApiError};
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;
 
+/** @returns {Promise<Document>} see schema_document.js, which has asked already */
+export function askForSchema() { return request('GET', '/api/schema'); }
+
 /** The live session, its experiment and its telemetry. */
 export class Api extends EventTarget {
   /** @type {Document} */ experiment = {};
@@ -177,9 +180,6 @@ export class Api extends EventTarget {
 
   /** @returns {Promise<{[name: string]: number}>} what a client may do at most */
   async limits() { return (await request('GET', '/api/health')).limits; }
-
-  /** @returns {Promise<Document>} JSON Schema of an experiment */
-  schema() { return request('GET', '/api/schema'); }
 
   /** @returns {Promise<Preset[]>} */
   async listPresets() { return (await request('GET', '/api/presets')).presets; }

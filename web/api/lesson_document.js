@@ -7,8 +7,8 @@
  *   LessonSummary
  */
 /**
- * @typedef {{label: string, window: string, quoted: string, unit: string, metric: string,
- *   lane: string, joint: number|null, since: number, until: number, at: number|null,
+ * @typedef {{label: string, window: string, quoted: string, unit: string, factor: number,
+ *   metric: string, lane: string, joint: number|null, since: number, until: number, at: number|null,
  *   layer: number[]}} LessonFigure
  */
 /**

@@ -1,13 +1,7 @@
 // @ts-check
 /** The binary message of whole responses. */
 
-/**
- * Figures of a whole run.
- * @typedef {{mae: number[], max_error: number[], max_velocity_error: number[],
- *   chattering: number, high_frequency_torque: number|null, peak_torque: number[],
- *   reaching_time: (number|null)[], flange_rms: number, flange_max: number,
- *   diverged_at: number|null}} Figures
- */
+/** @typedef {import('../figures/columns.js').Figures} Figures of a whole run */
 /** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
 /**
  * How good a run is; `error_estimate` [rad] is null in a quick one.

@@ -7,6 +7,7 @@ import {fieldPath} from '../fields/field_path.js';
 import {Knobs} from '../knobs/knobs.js';
 import {mount as mountLanes} from './lanes.js';
 import {leaves} from '../fields/merge_patch.js';
+import {SCHEMA} from '../api/schema_document.js';
 import {Schema} from '../fields/schema.js';
 import {Group, SectionGroup} from '../controls/section.js';
 
@@ -28,8 +29,8 @@ export function mount(place, api, history, tell) {
   const gains = element('section', {class: 'gains', 'aria-label': 'Gains of the selected lane'});
   const rest = element('section', {class: 'sections', 'aria-label': 'Experiment'});
   place.append(about, lanes, gains, rest);
-  api.addEventListener('hello', async () => {
-    const schema = new Schema(await api.schema());
+  api.addEventListener('hello', () => {
+    const schema = new Schema(SCHEMA);
     mountLanes(lanes, api, history, schema, tell);
     new Tuning(schema, api, history, tell).mount(place, gains, rest);
   }, {once: true});

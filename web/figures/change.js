@@ -1,5 +1,5 @@
 // @ts-check
-/** How a figure changed against a baseline, in words. Of every figure less is better. */
+/** How a figure changed against a baseline, in words. */
 
 import {written} from '../fields/quantity.js';
 
@@ -13,17 +13,22 @@ const MANY_TIMES = 2;
 /**
  * @param {number|null} before the baseline's
  * @param {number|null} now
+ * @param {import('./figure.js').Figure['better']} better which way is
  * @returns {Change}
  */
-export function changeOf(before, now) {
+export function changeOf(before, now, better) {
   if (before === null || now === null) return {kind: 'none', text: ''};
   if (before === now) return {kind: 'same', text: 'same'};
-  if (before === 0) return {kind: 'worse', text: '▲ worse'};
+  const judged = (/** @type {boolean} */ less, /** @type {string} */ size) => {
+    const kind = better === 'none' ? 'none' : less === (better === 'less') ? 'better' : 'worse';
+    const words = [less ? '▼' : '▲', size, kind === 'none' ? '' : kind];
+    return /** @type {Change} */ ({kind, text: words.filter(Boolean).join(' ')});
+  };
+  if (before === 0) return judged(now < 0, '');
   const share = now / before - 1;
   if (Math.abs(share) < LEAST_SHARE) return {kind: 'same', text: 'same'};
-  if (share < 0) return {kind: 'better', text: `▼ ${percent(-share)} better`};
-  const size = share >= MANY_TIMES - 1 ? `${rounded(now / before)}×` : percent(share);
-  return {kind: 'worse', text: `▲ ${size} worse`};
+  const many = share >= MANY_TIMES - 1;
+  return judged(share < 0, many ? `${rounded(now / before)}×` : percent(Math.abs(share)));
 }
 
 /** @param {number} share */

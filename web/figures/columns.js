@@ -1,12 +1,13 @@
 // @ts-check
-/** What the table of metrics shows: its columns, and how their numbers are written. */
+/** What the tables of figures show: their columns, and how their numbers are written. */
 
+import {FIGURES, figureOf} from './figure.js';
 import {written} from '../fields/quantity.js';
 
+/** @typedef {import('./figure.js').Figure} Figure */
 /**
- * Figures of one lane over one span of time.
- * @typedef {{mae: number[], max_error: number[], max_velocity_error: number[],
- *   chattering: number, peak_torque: number[], flange_rms: number, flange_max: number}} Figures
+ * Figures of one lane over one span of time, by name; lists are by joint.
+ * @typedef {{[name: string]: any}} Figures
  */
 /**
  * How a sampled loop stands: the spectral radius of one control period, γ, and the γ at which this
@@ -15,91 +16,123 @@ import {written} from '../fields/quantity.js';
  *   gamma_limit: number|null}} Margin
  */
 /**
- * `value` is null where there is none; `joint` says at which joint a greatest value stands.
- * @typedef {{id: string, title: string, unit: string, meaning: string, extra?: boolean,
+ * `value` is as it is shown, null where there is none; `joint` says at which joint a greatest value
+ * stands; `extra` columns are those of the wrist.
+ * @typedef {{id: string, figure: Figure, title: string, unit: string, meaning: string,
  *   value: (figures: Figures|null, margin: Margin|null) => number|null,
- *   joint?: (figures: Figures) => number, isMargin?: boolean}} Column
+ *   of?: number, extra?: boolean, joint?: (figures: Figures) => number, isMargin?: boolean}} Column
  */
 
-const MILLI = 1000;
 const DIGITS = 3;
 const LEAST_PLAIN = 1e-3;
 const GREATEST_PLAIN = 1e6;
+const JOINTS = [1, 2, 3, 4, 5, 6];
 const FIRST_JOINTS = 3;
-
-/** @param {number[]} values */
-function greatest(values) { return Math.max(...values); }
-
-/** @param {number[]} values */
-function placeOfGreatest(values) { return values.indexOf(greatest(values)) + 1; }
+const [GAMMA, LIMIT, RADIUS] = ['gamma', 'gamma_limit', 'radius'].map(figureOf);
 
 /** @type {Column[]} */
-const MEAN_ERRORS = Array.from({length: 6}, (_, index) => ({
-  id: `mae${index + 1}`,
-  title: `MAE J${index + 1}`,
-  unit: 'mrad',
-  meaning: `Mean absolute error of joint ${index + 1}.`,
-  extra: index >= FIRST_JOINTS,
-  value: (figures) => (figures ? figures.mae[index] * MILLI : null),
-}));
+export const COLUMNS = FIGURES.filter(({column}) => column).flatMap(columnsOf);
 
-/** @type {Column[]} */
-export const COLUMNS = [
-  ...MEAN_ERRORS,
-  {
-    id: 'max',
-    title: 'max |e|',
-    unit: 'mrad',
-    meaning: 'Greatest error of any joint.',
-    value: (figures) => (figures ? greatest(figures.max_error) * MILLI : null),
-    joint: (figures) => placeOfGreatest(figures.max_error),
-  },
-  {
-    id: 'chattering',
-    title: 'chattering',
-    unit: 'N·m/s',
-    meaning: 'How much the torques of all joints move up and down in a second.',
-    value: (figures) => figures && figures.chattering,
-  },
-  {
-    id: 'peak',
-    title: 'peak τ',
-    unit: 'N·m',
-    meaning: 'Greatest torque of any joint.',
-    value: (figures) => (figures ? greatest(figures.peak_torque) : null),
-    joint: (figures) => placeOfGreatest(figures.peak_torque),
-  },
-  {
-    id: 'flange',
-    title: 'flange RMS',
-    unit: 'mm',
-    meaning: 'Root mean square distance of the flange from where it should be.',
-    value: (figures) => (figures ? figures.flange_rms * MILLI : null),
-  },
-  {
-    id: 'gamma',
-    title: 'γ / border',
-    unit: '',
-    meaning: 'Largest eigenvalue of T·D·M⁻¹, and where this loop leaves its border when its reaching '
-      + 'gains grow. The condition itself is ρ < 1: the spectral radius of one control period.',
-    value: (_, margin) => margin?.gamma ?? null,
-    isMargin: true,
-  },
-];
+/**
+ * @param {Figure} figure
+ * @returns {Column[]} a mean hides the worst joint, so that each has its own
+ */
+function columnsOf(figure) {
+  if (figure.source === 'margin') return [marginColumn(figure)];
+  if (figure.reduced === 'mean') return JOINTS.map((joint) => jointColumn(figure, joint));
+  const {name, short: title, shown_unit: unit, factor, per_joint: perJoint} = figure;
+  const greatest = (/** @type {Figures|null} */ figures) => {
+    const value = figures?.[name] ?? null;
+    if (!perJoint || value === null) return value;
+    return value.includes(null) ? null : Math.max(...value);
+  };
+  return [{
+    id: name, figure, title, unit, meaning: `${figure.meaning}${perJoint ? ' of any joint' : ''}.`,
+    value: (figures) => scaled(greatest(figures), factor),
+    ...(perJoint && {joint: (figures) => figures[name].indexOf(greatest(figures)) + 1}),
+  }];
+}
+
+/**
+ * @param {Figure} figure
+ * @param {number} joint
+ * @returns {Column}
+ */
+function jointColumn(figure, joint) {
+  const {name, short, shown_unit: unit, meaning, factor} = figure;
+  return {
+    id: `${name}${joint}`, figure, title: `${short} J${joint}`, unit, of: joint,
+    meaning: `${meaning} of joint ${joint}.`, extra: joint > FIRST_JOINTS,
+    value: (figures) => scaled(figures?.[name]?.[joint - 1] ?? null, factor),
+  };
+}
+
+/**
+ * @param {Figure} figure
+ * @returns {Column}
+ */
+function marginColumn(figure) {
+  return {
+    id: figure.name, figure, title: `${figure.short} / ${LIMIT.short}`, unit: figure.shown_unit,
+    meaning: `${figure.meaning}, and ${inSentence(LIMIT.meaning)}. The condition itself is `
+      + `${RADIUS.symbol} < 1: the ${inSentence(RADIUS.meaning)}.`,
+    value: (_, margin) => scaled(margin?.gamma ?? null, figure.factor), isMargin: true,
+  };
+}
+
+/**
+ * @param {number|null} value
+ * @param {number} factor
+ */
+function scaled(value, factor) { return value === null ? null : value * factor; }
+
+/** @param {string} text */
+function inSentence(text) { return text.charAt(0).toLowerCase() + text.slice(1); }
+
+/**
+ * @param {Figure} figure
+ * @param {number|null|undefined} value as the server gives it
+ * @returns {string} the number alone, a dash where there is none
+ */
+export function figureNumber({factor, digits}, value) {
+  return inDigits(typeof value === 'number' ? value * factor : null, digits);
+}
+
+/**
+ * @param {Figure} figure
+ * @param {number|null|undefined} value as the server gives it
+ * @returns {string} such as `8.31 mrad`, a dash where there is none
+ */
+export function figureText(figure, value) {
+  const unit = typeof value === 'number' ? figure.shown_unit : '';
+  return [figureNumber(figure, value), unit].filter(Boolean).join(' ');
+}
+
+/**
+ * @param {Figure} figure
+ * @returns {string} such as `MAE mrad`
+ */
+export function figureHeading({short, shown_unit: unit}) { return `${short} ${unit}`; }
 
 /**
  * @param {number|null|undefined} value
  * @returns {string} three significant digits, or a dash where there is no value
  */
-export function threeDigits(value) {
+export function threeDigits(value) { return inDigits(value, DIGITS); }
+
+/**
+ * @param {number|null|undefined} value
+ * @param {number} digits significant ones
+ */
+export function inDigits(value, digits) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   const size = Math.abs(value);
   if (size === 0) return '0';
   if (size >= LEAST_PLAIN && size < GREATEST_PLAIN) {
-    const text = value.toPrecision(DIGITS);
+    const text = value.toPrecision(digits);
     return text.includes('e') ? written(Number(text)) : text.replace('-', '−');
   }
-  return value.toExponential(DIGITS - 1).replace('e+', 'e').replaceAll('-', '−');
+  return value.toExponential(digits - 1).replace('e+', 'e').replaceAll('-', '−');
 }
 
 /**
@@ -109,9 +142,9 @@ export function threeDigits(value) {
 export function marginText(margin) {
   if (!margin) return '–';
   if (margin.gamma !== null) {
-    return `${threeDigits(margin.gamma)} / ${margin.gamma_limit ? threeDigits(margin.gamma_limit) : '–'}`;
+    return `${figureNumber(GAMMA, margin.gamma)} / ${figureNumber(LIMIT, margin.gamma_limit || null)}`;
   }
-  return margin.radius === null ? '∞' : `ρ ${margin.radius.toPrecision(DIGITS + 1)}`;
+  return margin.radius === null ? '∞' : `${RADIUS.symbol} ${margin.radius.toPrecision(RADIUS.digits)}`;
 }
 
 /**
@@ -124,7 +157,7 @@ export function marginWords(margin) {
   if (radius === null) return bounded
     ? 'the gain of sign(S) at the surface has no bound: it always chatters'
     : 'the gain of sign(S) at the surface has no bound: it diverges';
-  const rho = `ρ = ${radius.toPrecision(DIGITS + 2)}`;
+  const rho = `${RADIUS.symbol} = ${radius.toPrecision(RADIUS.digits + 1)}`;
   if (stable) return `${rho}: small deviations die out`;
   return `${rho}, above 1: ${bounded ? 'a limit cycle' : 'the sampled loop diverges'}`;
 }
@@ -138,13 +171,15 @@ export function marginWarns(margin) {
 }
 
 /**
- * The least of a column as it is written, where there is something to compare.
+ * The best of a column as it is written, where there is something to compare.
  *
+ * @param {Column} column
  * @param {(number|null)[]} values
  * @returns {string|null}
  */
-export function best(values) {
+export function best({figure: {better, digits}}, values) {
   const known = values.filter((value) => value !== null);
-  const different = new Set(known.map(threeDigits)).size > 1;
-  return different ? threeDigits(Math.min(...known)) : null;
+  const texts = new Set(known.map((value) => inDigits(value, digits)));
+  if (better === 'none' || texts.size < 2) return null;
+  return inDigits(better === 'less' ? Math.min(...known) : Math.max(...known), digits);
 }

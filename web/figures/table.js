@@ -3,9 +3,7 @@
 
 import {element, freshId} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
-import {
-  COLUMNS, best, marginText, marginWarns, marginWords, threeDigits,
-} from './columns.js';
+import {COLUMNS, best, inDigits, marginText, marginWarns, marginWords} from './columns.js';
 import {MetricsNotes} from './notes.js';
 import {sinceWords} from './since.js';
 import {recall, remember} from '../screen/remembered.js';
@@ -29,6 +27,7 @@ import {withScrollCue} from '../dom/scroll_cue.js';
  *   cells: HTMLTableCellElement[], notes: MetricsNotes}} Row
  */
 
+const LIVE = COLUMNS.filter(({figure}) => figure.live);
 const SPANS = /** @type {const} */ ([['total', 'since the last change'], ['recent', 'last 10 s']]);
 
 /**
@@ -142,7 +141,7 @@ class Metrics {
       on: {click: () => this.#api.select(name)},
     }, dot, element('span', {}, name));
     const since = element('span', {class: 'metrics-since'});
-    const cells = COLUMNS.map((column) => element('td', {class: classOf(column)}));
+    const cells = LIVE.map((column) => element('td', {class: classOf(column)}));
     const notes = new MetricsNotes();
     const row = element(
       'tr', {}, element('th', {scope: 'row'}, button, since), ...cells,
@@ -160,7 +159,7 @@ class Metrics {
       const state = session?.lanes?.[name];
       const figures = known?.[this.#span] ?? null;
       const margin = known?.margin ?? null;
-      const values = COLUMNS.map(({value}) => value(figures, margin));
+      const values = LIVE.map(({value}) => value(figures, margin));
       const frozen = state?.status === 'frozen';
       row.classList.toggle('is-frozen', frozen);
       fillSince(since, sinceWords(known?.since ?? null, this.#span));
@@ -168,16 +167,15 @@ class Metrics {
       const from = this.#span === 'total' ? known?.since?.time ?? 0 : 0;
       lanes.set(name, {figures, margin, values, frozen, from});
     }
-    COLUMNS.forEach((column, index) => {
-      // A margin is no merit; and what a lane reached before it stopped, or over another time,
-      // can't be compared.
+    LIVE.forEach((column, index) => {
+      // What a lane reached before it stopped, or over another time, can't be compared.
       const compared = [...lanes.values()].filter(({frozen}) => !frozen);
       const alike = new Set(compared.map(({from}) => from)).size === 1;
-      const least = column.isMargin || !alike ? null
-        : best(compared.map(({values}) => values[index]));
+      const merit = alike ? best(column, compared.map(({values}) => values[index])) : null;
       for (const [name, {figures, margin, values, frozen}] of lanes) {
         const cell = /** @type {Row} */ (this.#rows.get(name)).cells[index];
-        const isBest = !frozen && least !== null && threeDigits(values[index]) === least;
+        const {digits} = column.figure;
+        const isBest = !frozen && merit !== null && inDigits(values[index], digits) === merit;
         if (column.isMargin) fillMargin(cell, margin);
         else fillCell(cell, column, values[index], figures, isBest);
       }
@@ -201,8 +199,8 @@ function fillSince(place, {text, title}) {
  * @param {Figures|null} figures
  * @param {boolean} isBest
  */
-function fillCell(cell, {joint}, value, figures, isBest) {
-  const text = threeDigits(value);
+function fillCell(cell, {joint, figure}, value, figures, isBest) {
+  const text = inDigits(value, figure.digits);
   if (cell.textContent !== text) cell.textContent = text;
   cell.classList.toggle('is-best', isBest);
   const words = [
@@ -232,7 +230,7 @@ function classOf({extra, id}) {
 function heading() {
   return element(
     'tr', {}, element('th', {scope: 'col'}, 'lane'),
-    ...COLUMNS.map((column) => element(
+    ...LIVE.map((column) => element(
       'th', {scope: 'col', class: classOf(column), title: column.meaning},
       column.title, column.unit && element('span', {class: 'metrics-unit'}, ` ${column.unit}`),
     )),

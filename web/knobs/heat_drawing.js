@@ -45,12 +45,12 @@ export function badness(figure, best, worst) {
  * @param {Metric} metric
  * @returns {StudyRow|undefined}
  */
-export function bestOf(rows, {id}) {
-  const known = rows.filter((row) => row[id] !== null);
+export function bestOf(rows, {name}) {
+  const known = rows.filter((row) => row[name] !== null);
   const calm = known.filter(({state}) => state === 'good');
   const chosen = calm.length ? calm : known;
   return chosen.reduce((/** @type {StudyRow|undefined} */ best, row) => (
-    best && Number(best[id]) <= Number(row[id]) ? best : row
+    best && Number(best[name]) <= Number(row[name]) ? best : row
   ), undefined);
 }
 
@@ -94,7 +94,7 @@ export function drawStrip(canvas, {cells, metric, best, width}) {
   const style = getComputedStyle(canvas);
   const color = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
   const dark = document.documentElement.dataset.theme === 'dark';
-  const figures = cells.flatMap(({row}) => row?.[metric.id] ?? []);
+  const figures = cells.flatMap(({row}) => row?.[metric.name] ?? []);
   const range = [Math.min(...figures), Math.max(...figures)];
   for (const cell of cells) {
     const {row, left, right} = cell;
@@ -104,7 +104,7 @@ export function drawStrip(canvas, {cells, metric, best, width}) {
     if (row?.state !== 'refused') pen.fillRect(...box);
     pen.globalAlpha = 1;
     if (!row) continue;
-    const figure = row[metric.id];
+    const figure = row[metric.name];
     if (figure !== null) {
       pen.fillStyle = shade(dark ? STOPS.dark : STOPS.light, badness(figure, range[0], range[1]));
       pen.fillRect(...box);

@@ -4,7 +4,7 @@
 import {element} from '../dom/element.js';
 import {bestOf, cellsOf, drawStrip, placeOf} from './heat_drawing.js';
 import {withUnit} from '../fields/quantity.js';
-import {figureText} from './study_metric.js';
+import {figureText} from '../figures/columns.js';
 
 /** @typedef {import('../fields/schema.js').Field} Field */
 /** @typedef {import('./study_metric.js').StudyRow} StudyRow */
@@ -109,8 +109,8 @@ export class Strip {
 
   /** Whether the figure is another one at another position. */
   get #matters() {
-    const {id} = this.#metric.chosen;
-    const figures = this.rows.flatMap((row) => row[id] ?? []);
+    const {name} = this.#metric.chosen;
+    const figures = this.rows.flatMap((row) => row[name] ?? []);
     const least = Math.max(Math.min(...figures), Number.MIN_VALUE);
     return figures.length < this.rows.length || Math.max(...figures) / least > LEAST_SPREAD;
   }
@@ -151,7 +151,7 @@ export class Strip {
     if (!row) return this.rows.length < COUNT ? 'trying …' : '';
     const value = `at ${this.#name} ≈ ${rounded(row.value, this.field.unit)}`;
     const metric = this.#metric.chosen;
-    const figure = row[metric.id];
+    const figure = row[metric.name];
     if (row.state === 'refused') return `${value}: refused, ${row.reason}`;
     if (row.state === 'diverged' || figure === null) return `${value}: diverges`;
     const chatters = row.state === 'chattering' ? ', chatters' : '';
@@ -168,7 +168,7 @@ export class Strip {
     const metric = this.#metric.chosen;
     const best = bestOf(this.rows, metric);
     if (!best) return `no value of ${this.#name} holds`;
-    const figure = figureText(metric, /** @type {number} */ (best[metric.id]));
+    const figure = figureText(metric, /** @type {number} */ (best[metric.name]));
     if (!this.#matters) return `makes no difference: ${figure}`;
     return `best near ${rounded(best.value, '')}: ${figure}`;
   }

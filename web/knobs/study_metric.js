@@ -1,8 +1,8 @@
 // @ts-check
-/** By which figure variants of an experiment are compared; smaller is better for each. */
+/** By which figure variants of an experiment are compared; less is better of each. */
 
 import {element} from '../dom/element.js';
-import {written} from '../fields/quantity.js';
+import {FIGURES} from '../figures/figure.js';
 import {recall, remember} from '../screen/remembered.js';
 
 /**
@@ -11,35 +11,15 @@ import {recall, remember} from '../screen/remembered.js';
  *
  * @typedef {{number: number, count: number, revision: number, name: string, value: any,
  *   patch: import('../fields/merge_patch.js').Document, factor: number|null, present: boolean,
- *   mae: number|null, max_error: number|null, chattering: number|null, flange_rms: number|null,
- *   state: 'good'|'chattering'|'diverged'|'refused', reason: string}} StudyRow
+ *   state: 'good'|'chattering'|'diverged'|'refused', reason: string, [figure: string]: any}} StudyRow
  */
-/**
- * @typedef {{id: 'mae'|'max_error'|'chattering'|'flange_rms', title: string, short: string,
- *   unit: string, factor: number}} Metric
- */
+/** @typedef {import('../figures/figure.js').Figure} Metric */
 
-/** @type {Metric[]} */
-export const METRICS = [
-  {id: 'mae', title: 'mean error', short: 'MAE', unit: 'mrad', factor: 1000},
-  {id: 'max_error', title: 'maximum error', short: 'max', unit: 'mrad', factor: 1000},
-  {id: 'chattering', title: 'chattering', short: 'chattering', unit: 'N·m/s', factor: 1},
-  {id: 'flange_rms', title: 'flange RMS', short: 'flange', unit: 'mm', factor: 1000},
-];
-const DIGITS = 3;
-
-/**
- * @param {Metric} metric
- * @param {number} figure as the server gives it
- * @returns {string} such as `8.31 mrad`
- */
-export function figureText({factor, unit}, figure) {
-  return `${written(Number((figure * factor).toPrecision(DIGITS)))} ${unit}`;
-}
+export const METRICS = FIGURES.filter(({studied}) => studied);
 
 /** Event `change`: another figure was chosen. It is remembered. */
 export class StudyMetric extends EventTarget {
-  /** @type {Metric} */ chosen = METRICS.find(({id}) => id === recall('study.metric')) ?? METRICS[0];
+  /** @type {Metric} */ chosen = METRICS.find(({name}) => name === recall('study.metric')) ?? METRICS[0];
 
   /** @returns {HTMLElement} a list to choose from */
   list() {
@@ -47,15 +27,15 @@ export class StudyMetric extends EventTarget {
       class: 'select study-metric', 'aria-label': 'Judge gains by',
       title: 'The figure by which strips and bars judge a gain',
       on: {change: () => this.#choose(METRICS[select.selectedIndex])},
-    }, ...METRICS.map(({id, title}) => element('option', {value: id}, `by ${title}`)));
-    select.value = this.chosen.id;
+    }, ...METRICS.map(({name, title}) => element('option', {value: name}, `by ${title}`)));
+    select.value = this.chosen.name;
     return select;
   }
 
   /** @param {Metric} metric */
   #choose(metric) {
     this.chosen = metric;
-    remember('study.metric', metric.id);
+    remember('study.metric', metric.name);
     this.dispatchEvent(new Event('change'));
   }
 }

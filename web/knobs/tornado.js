@@ -143,7 +143,7 @@ export class Tornado {
 
   #draw() {
     const metric = this.#desk.metric.chosen;
-    const now = this.#present?.[metric.id] ?? null;
+    const now = this.#present?.[metric.name] ?? null;
     this.#now.textContent = wordsOfNow(this.#present, metric, this.#lane);
     // Nothing changes its place before all is known: a bar must not slip from under the pointer.
     const knobs = knobsOf(this.#rows, metric, now, this.#progress.hidden);
@@ -229,7 +229,7 @@ export class Tornado {
 
   #summary() {
     const metric = this.#desk.metric.chosen;
-    const now = this.#present?.[metric.id] ?? null;
+    const now = this.#present?.[metric.name] ?? null;
     const better = this.#rows
       .filter((row) => !row.present && effectOf(row, metric, now) < -LEAST)
       .sort((a, b) => effectOf(a, metric, now) - effectOf(b, metric, now))[0];

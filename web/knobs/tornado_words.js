@@ -1,7 +1,7 @@
 // @ts-check
 /** What the trials of a tornado chart come to, in numbers and in words. */
 
-import {figureText} from './study_metric.js';
+import {figureText} from '../figures/columns.js';
 
 /** @typedef {import('./study_metric.js').StudyRow} StudyRow */
 /** @typedef {import('./study_metric.js').Metric} Metric */
@@ -37,8 +37,8 @@ export function knobsOf(rows, metric, now, ranked) {
  * @param {number|null} now
  * @returns {number} change as a share of what is; infinite where the run comes to nothing
  */
-export function effectOf(row, {id}, now) {
-  const figure = row[id];
+export function effectOf(row, {name}, now) {
+  const figure = row[name];
   if (figure === null) return Infinity;
   return now ? figure / now - 1 : -Infinity;
 }
@@ -63,8 +63,8 @@ export function kindOf({state}, effect) {
 export function wordsOf(row, metric, present) {
   if (row.state === 'diverged') return 'diverges';
   if (row.state === 'refused') return 'refused';
-  const effect = effectOf(row, metric, present?.[metric.id] ?? null);
-  const figure = row[metric.id];
+  const effect = effectOf(row, metric, present?.[metric.name] ?? null);
+  const figure = row[metric.name];
   if (!Number.isFinite(effect)) return figure === null ? '' : figureText(metric, figure);
   const percent = Math.abs(100 * effect);
   const sign = effect < 0 ? '−' : '+';
@@ -84,7 +84,7 @@ function ceasing({state}) { return state === 'chattering' ? 'chatters,' : 'calm,
  */
 export function wordsOfNow(present, metric, lane) {
   if (!present) return `Trying every gain of ${lane} 10 % down and up …`;
-  const figure = present[metric.id];
+  const figure = present[metric.name];
   if (figure === null) return `${lane} diverges as it is. What 10 % of each gain would do:`;
   return `${lane} as it is: ${metric.title} ${figureText(metric, figure)}. `
     + 'What 10 % of each gain would do:';

@@ -7,11 +7,13 @@ import {SmoothingCard} from './smoothing.js';
 import {spectrumFigure} from './spectrum.js';
 import {SwitchingCard} from './switching.js';
 import {chatteringFinding} from './verdicts.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureText, threeDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 
 /** @typedef {import('./card.js').Look} Look */
 
 const HEIGHT = 250;
+const [VARIATION, ABOVE] = ['chattering', 'high_frequency_torque'].map(figureOf);
 
 /** Shows how restless the torque of a lane is. */
 export class ChatteringLens {
@@ -43,7 +45,7 @@ export class ChatteringLens {
     const {seen: {chattering}, joint, color, lane, gains} = look;
     const one = chattering.joints[joint - 1];
     this.#card.facts = [
-      {name: 'total variation', value: `${threeDigits(one.variation)} N·m/s`,
+      {name: 'total variation', value: figureText(VARIATION, one.variation),
         title: 'How much the torque of this joint moves up and down in a second'},
       {name: 'switches', value: `${threeDigits(one.switches)} /s`,
         title: 'Sign changes of S a second'},
@@ -65,11 +67,11 @@ export class ChatteringLens {
 }
 
 /** @param {number|null} torque */
-function above(torque) { return torque === null ? '–' : `${threeDigits(torque)} N·m RMS`; }
+function above(torque) { return `${figureText(ABOVE, torque)}${torque === null ? '' : ' RMS'}`; }
 
 /** @param {any} chattering */
 function together({variation, switches, above: torque}) {
-  return `${threeDigits(variation)} N·m/s, ${threeDigits(switches)} /s, ${above(torque)}`;
+  return `${figureText(VARIATION, variation)}, ${threeDigits(switches)} /s, ${above(torque)}`;
 }
 
 /**

@@ -7,7 +7,8 @@ import {LensFigure, axis, faint} from './figure.js';
 import {energyFigure} from './energy.js';
 import {RESTLESS, energyFinding, planeFinding} from './verdicts.js';
 import {withUnit} from '../fields/quantity.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureText, threeDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 
 /** @typedef {import('./card.js').Look} Look */
 /** @typedef {import('./figure.js').Colors} Colors */
@@ -17,6 +18,7 @@ const PLANE_HEIGHT = 300;
 const ENERGY_HEIGHT = 250;
 /** Distance of two points, in widths of the picture, across which no line belongs. */
 const APART = 0.05;
+const REACHING = figureOf('reaching_time');
 
 /** Shows the plane of one joint, and V of all. */
 export class SlidingLens {
@@ -110,7 +112,7 @@ function planeFacts(one, sign) {
   if (!layer) return [constant];
   return [
     {name: sign ? 'as good as zero' : 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
-    {name: 'reached', value: reached === null ? 'never' : `at ${threeDigits(reached)} s`,
+    {name: 'reached', value: reached === null ? 'never' : `at ${figureText(REACHING, reached)}`,
       title: sign ? 'When S first was as good as zero or passed it'
         : 'When |S| first was within the boundary layer, or S passed zero'},
     {name: 'last outside', value: left === null ? 'never' : `at ${threeDigits(left)} s`},

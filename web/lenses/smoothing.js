@@ -7,7 +7,8 @@ import {LensCard} from './card.js';
 import {LensFigure, axis} from './figure.js';
 import {knee} from './knee.js';
 import {keyOf} from './key.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureHeading, figureNumber, figureText} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 import {written} from '../fields/quantity.js';
 import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 
@@ -19,7 +20,7 @@ import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
  *   chattering: number|null, state: string, reason: string}} Row
  */
 
-const MILLI = 1000;
+const [ERROR, CHATTERING] = ['mae', 'chattering'].map(figureOf);
 const HEIGHT = 270;
 /** Below this ratio of chattering, ε costs nothing. */
 const FREE = 1.2;
@@ -165,14 +166,14 @@ export class SmoothingCard {
     return element(
       'tr', {title: reason || null},
       element('th', {scope: 'row'}, isCurve ? `ε = ${short(value)}` : `${value}, as it is`),
-      element('td', {}, mae === null ? '–' : threeDigits(MILLI * mae)),
-      element('td', {}, threeDigits(chattering)), element('td', {}, state), element('td', {}, use),
+      element('td', {}, figureNumber(ERROR, mae)),
+      element('td', {}, figureNumber(CHATTERING, chattering)), element('td', {}, state), element('td', {}, use),
     );
   }
 }
 
 function heading() {
-  const titles = ['', 'MAE mrad', 'chattering N·m/s', 'state', ''];
+  const titles = ['', figureHeading(ERROR), figureHeading(CHATTERING), 'state', ''];
   return element('thead', {}, element('tr', {}, ...titles.map((text) => (
     element('th', {scope: 'col'}, text)
   ))));
@@ -194,7 +195,7 @@ function short(epsilon) { return written(Number(epsilon.toPrecision(3))); }
 
 /** @param {Row} row */
 function told({value, mae, chattering}) {
-  const figures = `${threeDigits(MILLI * Number(mae))} mrad, ${threeDigits(chattering)} N·m/s`;
+  const figures = `${figureText(ERROR, mae)}, ${figureText(CHATTERING, chattering)}`;
   return `ε = ${short(value)} (${figures})`;
 }
 
@@ -263,10 +264,12 @@ function presentPoint(points, rows, {epsilon, switching}) {
  */
 function curveFigure(colors, {lane, color}, points, functions, present) {
   const places = (/** @type {Row[]} */ rows) => ({
-    x: rows.map(({chattering}) => chattering), y: rows.map(({mae}) => MILLI * Number(mae)),
+    x: rows.map(({chattering}) => CHATTERING.factor * Number(chattering)),
+    y: rows.map(({mae}) => ERROR.factor * Number(mae)),
   });
   const {x, y} = places([...points, ...functions]);
-  const numbers = '%{y:.3~g} mrad, %{x:.3~g} N·m/s';
+  const numbers = `%{y:.${ERROR.digits}~g} ${ERROR.shown_unit}, `
+    + `%{x:.${CHATTERING.digits}~g} ${CHATTERING.shown_unit}`;
   return {
     data: [{
       type: 'scatter', mode: 'lines+markers+text', uid: 'curve', name: plain(lane),
@@ -282,18 +285,21 @@ function curveFigure(colors, {lane, color}, points, functions, present) {
       hovertemplate: `%{text}, as it is<br>${numbers}<extra></extra>`,
       marker: {symbol: 'diamond-open', size: 10, color: colors.text, line: {width: 1.8}},
     }, {
-      type: 'scatter', mode: 'markers', uid: 'present', x: present ? [present.x] : [],
-      y: present ? [MILLI * present.y] : [], hoverinfo: 'skip', cliponaxis: false,
+      type: 'scatter', mode: 'markers', uid: 'present', x: present ? [CHATTERING.factor * present.x] : [],
+      y: present ? [ERROR.factor * present.y] : [], hoverinfo: 'skip', cliponaxis: false,
       marker: {symbol: 'circle-open', size: 17, color: colors.text, line: {width: 2}},
     }],
     layout: {
       annotations: kneeMark(colors, knee(points)),
       uirevision: `${lane}-${points.length}`,
-      xaxis: axis(colors, {title: 'chattering [N·m/s]', type: 'log', range: span(x)}),
-      yaxis: axis(colors, {title: 'mean error [mrad]', type: 'log', range: span(y), nticks: 6}),
+      xaxis: axis(colors, {title: axisTitle(CHATTERING), type: 'log', range: span(x)}),
+      yaxis: axis(colors, {title: axisTitle(ERROR), type: 'log', range: span(y), nticks: 6}),
     },
   };
 }
+
+/** @param {import('../figures/figure.js').Figure} figure */
+function axisTitle({title, shown_unit: unit}) { return `${title} [${unit}]`; }
 
 /**
  * @param {Colors} colors
@@ -302,7 +308,8 @@ function curveFigure(colors, {lane, color}, points, functions, present) {
 function kneeMark(colors, bend) {
   if (!bend) return [];
   return [{
-    x: Math.log10(Number(bend.chattering)), y: Math.log10(MILLI * Number(bend.mae)),
+    x: Math.log10(CHATTERING.factor * Number(bend.chattering)),
+    y: Math.log10(ERROR.factor * Number(bend.mae)),
     text: `knee, ε = ${short(bend.value)}`, showarrow: true, arrowhead: 0, arrowcolor: colors.muted,
     ax: 34, ay: -34, xanchor: 'left', font: {color: colors.text},
   }];

@@ -6,13 +6,16 @@ import {LensCard} from './card.js';
 import {LensFigure} from './figure.js';
 import {keyOf} from './key.js';
 import {spectrumFigure} from './spectrum.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureHeading, figureNumber, figureText, threeDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 
 /** @typedef {import('./card.js').Look} Look */
 /** @typedef {{name: string, dash: string, seen?: any, refused?: string}} Trial */
 
-const MILLI = 1000;
+const [ERROR, MOST, VARIATION, ABOVE] = [
+  'mae', 'max_error', 'chattering', 'high_frequency_torque',
+].map(figureOf);
 const FUNCTIONS = /** @type {const} */ ([['sign', 'dot'], ['saturation', 'dash'], ['tanh', 'solid']]);
 /** A preset in whose sampled loop sign chatters. */
 const SAMPLED_PRESET = 'chattering-tanh';
@@ -177,12 +180,13 @@ export class SwitchingCard {
     if (seen.frozen) {
       return element('tr', {}, head, element('td', {colspan: 6, class: 'is-text'}, seen.frozen.cause));
     }
-    const numbers = [MILLI * mae, MILLI * most, variation, above, switches];
+    const figures = [[ERROR, mae], [MOST, most], [VARIATION, variation], [ABOVE, above]];
+    const numbers = figures.map(([figure, value]) => figureNumber(figure, value));
     const use = name !== present && element('button', {
       class: 'button small', type: 'button', 'aria-label': `Switch by ${name}`,
       on: {click: () => this.#use(name)},
     }, 'use');
-    return element('tr', {}, head, ...numbers.map((value) => element('td', {}, threeDigits(value))),
+    return element('tr', {}, head, ...[...numbers, threeDigits(switches)].map((text) => element('td', {}, text)),
       element('td', {}, use));
   }
 }
@@ -195,7 +199,9 @@ export class SwitchingCard {
 function switchesIn({lanes}, lane) { return 'switching' in (lanes?.[lane] ?? {}); }
 
 function heading() {
-  const titles = ['', 'MAE mrad', 'max |e| mrad', 'variation N·m/s', '> 50 Hz N·m', 'switches /s', ''];
+  const titles = [
+    '', ...[ERROR, MOST, VARIATION, ABOVE].map(figureHeading), 'switches /s', '',
+  ];
   return element('thead', {}, element('tr', {}, ...titles.map((text) => (
     element('th', {scope: 'col'}, text)
   ))));
@@ -209,6 +215,6 @@ function finding(trials) {
   const [sign, tanh] = [of('sign'), of('tanh')];
   if (!sign || !tanh) return '';
   const times = threeDigits(sign.variation / Math.max(tanh.variation, 1e-9));
-  return `sign moves the torque ${times} times as much as tanh, for ${threeDigits(MILLI * sign.mae)} `
-    + `against ${threeDigits(MILLI * tanh.mae)} mrad of mean error.`;
+  return `sign moves the torque ${times} times as much as tanh, for ${figureNumber(ERROR, sign.mae)} `
+    + `against ${figureText(ERROR, tanh.mae)} of ${ERROR.title}.`;
 }

@@ -2,9 +2,12 @@
 /** What the numbers of a lens say in words, of a law with just these gains. */
 
 import {percent} from './card.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureText, threeDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 
 /** @typedef {{[name: string]: any}} Gains */
+
+const [ERROR, ABOVE, REACHING] = ['mae', 'high_frequency_torque', 'reaching_time'].map(figureOf);
 
 /** Torque above 50 Hz in [N·m] that is worth a word. */
 const CHATTERS = 0.1;
@@ -48,16 +51,16 @@ export function chatteringFinding({frequency, switches: count, above: torque, ma
   if (!frequency.length) {
     return 'The loop samples too slowly, or the run is too short, to tell torque above 50 Hz.';
   }
-  const error = `${threeDigits(1000 * mae)} mrad mean error`;
+  const error = `${figureText(ERROR, mae)} ${ERROR.title}`;
   if (torque <= CHATTERS) return `Smooth: hardly any torque above 50 Hz, with ${error}.`;
-  const all = `${threeDigits(torque)} N·m`;
+  const all = figureText(ABOVE, torque);
   if (quiet && quiet.above !== null && quiet.above <= CHATTERS) {
-    return `Sensor noise, no chattering: of ${all} above 50 Hz, ${threeDigits(quiet.above)} N·m are left `
+    return `Sensor noise, no chattering: of ${all} above 50 Hz, ${figureText(ABOVE, quiet.above)} are left `
       + `in the same run without noise. The gains pass on what the sensors make up. `
       + `${wayOut(gains, true)} There are ${error}.`;
   }
   const rest = quiet && quiet.above !== null
-    ? ` Without sensor noise ${threeDigits(quiet.above)} N·m of it are left.` : '';
+    ? ` Without sensor noise ${figureText(ABOVE, quiet.above)} of it are left.` : '';
   if (!switches(gains)) {
     return `${all} above 50 Hz, though this law has nothing that switches: its gains are too high for `
       + `the control rate. They buy ${error}.${rest} ${wayOut(gains, false)}`;
@@ -88,7 +91,7 @@ export function planeFinding(one, horizon, gains) {
     return 'The whole response of this joint lies within the layer: there tanh and saturation are '
       + `little more than a gain k₂/ε, and nothing switches.${slow}`;
   }
-  const begins = reached ? `S came within the layer after ${threeDigits(reached)} s` : 'S begins within the layer';
+  const begins = reached ? `S came within the layer after ${figureText(REACHING, reached)}` : 'S begins within the layer';
   return `${begins} and is outside it for ${percent(1 - inside)} of the time.${slow}`;
 }
 

@@ -3,14 +3,17 @@
 
 import {element} from '../dom/element.js';
 import {measured} from './measure.js';
-import {threeDigits} from '../figures/columns.js';
+import {figureNumber, threeDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 
 /** @typedef {import('../api/lesson_document.js').LessonFigure} Figure */
 /** @typedef {{figure: Figure, cell: HTMLElement, text: string}} Row */
 
 /** Time between two looks in [ms]. */
 const LEAST_MS = 400;
-const MARGINS = new Map([['sampling_margin', 'gamma'], ['margin_limit', 'gamma_limit']]);
+const MARGINS = new Map([
+  ['sampling_margin', figureOf('gamma')], ['margin_limit', figureOf('gamma_limit')],
+]);
 
 /** One table at a time; empty where nothing that is quoted can be measured. */
 export class LessonFigures {
@@ -65,8 +68,8 @@ export class LessonFigures {
     const {figure, cell} = row;
     const margin = MARGINS.get(figure.metric);
     if (margin) {
-      const value = this.#api.metrics?.lanes?.[figure.lane]?.margin?.[margin];
-      this.#write(cell, threeDigits(value), '');
+      const value = this.#api.metrics?.lanes?.[figure.lane]?.margin?.[margin.name];
+      this.#write(cell, figureNumber(margin, value), '');
       return;
     }
     if (row.text) return;

@@ -8,24 +8,26 @@ import {amplitudeSpectrum} from '../curves/spectrum.js';
 
 const JOINTS = [1, 2, 3, 4, 5, 6];
 const AXES = ['x', 'y', 'z'];
-const MILLI = 1000;
 /** Frequency in [Hz] above which torque counts as chattering, as the server has it. */
 const HIGH_FREQUENCY = 50;
 /** A Hann window shows a sine in three bins: by so much their powers are more than its own. */
 const HANN_BINS = 1.5;
 
-/** @typedef {(figure: Figure, columns: (group: string) => Float32Array[], ring: Ring) => number} Rule */
+/**
+ * In SI units.
+ * @typedef {(figure: Figure, columns: (group: string) => Float32Array[], ring: Ring) => number} Rule
+ */
 
 /** @type {{[metric: string]: Rule}} */
 const RULES = {
-  mean_error: (figure, columns) => MILLI * ofJoint(figure, columns('e').map(meanSize)),
-  max_error: (figure, columns) => MILLI * ofJoint(figure, columns('e').map(greatest)),
+  mean_error: (figure, columns) => ofJoint(figure, columns('e').map(meanSize)),
+  max_error: (figure, columns) => ofJoint(figure, columns('e').map(greatest)),
   error_at: (figure, columns) => (
-    MILLI * ofJoint(figure, columns('e').map((e) => Math.abs(e[e.length - 1])))
+    ofJoint(figure, columns('e').map((e) => Math.abs(e[e.length - 1])))
   ),
   peak_torque: (figure, columns) => ofJoint(figure, columns('tau').map(greatest)),
   chattering: (_, columns, {dt}) => sum(columns('tau').map((tau) => way(tau) / ((tau.length - 1) * dt))),
-  sign_changes: (figure, columns) => 100 * ofJoint(figure, columns('S').map(sidesChanged)),
+  sign_changes: (figure, columns) => ofJoint(figure, columns('S').map(sidesChanged)),
   reaching_time: (figure, columns, {dt}) => ofJoint(figure, columns('S').map((S, index) => (
     figure.since + dt * reachedRow(S, figure.layer[index])
   ))),
@@ -36,16 +38,16 @@ const RULES = {
   }))),
   flange_rms: (_, columns) => {
     const squares = distances(columns);
-    return MILLI * Math.sqrt(sum(squares) / squares.length);
+    return Math.sqrt(sum(squares) / squares.length);
   },
-  flange_max: (_, columns) => MILLI * Math.sqrt(greatest(distances(columns))),
+  flange_max: (_, columns) => Math.sqrt(greatest(distances(columns))),
 };
 
 /**
  * @param {Ring} ring
  * @param {Figure} figure one that belongs to a time
- * @returns {{value: number, whole: boolean}|null} `whole`: the window has passed; null where it
- *   hasn't begun, or its begin isn't kept
+ * @returns {{value: number, whole: boolean}|null} `value`: in the figure's unit; `whole`: the window
+ *   has passed; null where it hasn't begun, or its begin isn't kept
  */
 export function measured(ring, figure) {
   const rule = RULES[figure.metric];
@@ -63,7 +65,7 @@ export function measured(ring, figure) {
       return place < 0 ? new Float32Array(to - from).fill(NaN) : ring.copy(place, from, to);
     });
   };
-  const value = rule(figure, columns, ring);
+  const value = figure.factor * rule(figure, columns, ring);
   return Number.isNaN(value) ? null : {value, whole: ring.newest >= until};
 }
 

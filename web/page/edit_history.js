@@ -4,6 +4,7 @@
 import {element, symbol} from '../dom/element.js';
 import {FieldNames, valueText} from '../fields/field_names.js';
 import {icon} from '../dom/icons.js';
+import {SCHEMA} from '../api/schema_document.js';
 import {Schema} from '../fields/schema.js';
 
 /** @typedef {{path: string[], from: any, to: any}} FieldChange whole lanes: `all` and `none` */
@@ -36,7 +37,7 @@ class EditPanel {
   #panel;
   #list = element('ol', {class: 'edits-list'});
   #alert = element('p', {class: 'dialog-alert', role: 'alert'});
-  /** @type {FieldNames|null} */ #names = null;
+  #names;
   /** Ids that this page had: it gets another one after a lost connection. */
   #own = new Set();
   #ticking = 0;
@@ -49,6 +50,7 @@ class EditPanel {
   constructor(api, history) {
     this.#api = api;
     this.#history = history;
+    this.#names = new FieldNames(new Schema(SCHEMA), api);
     this.#panel = element('section', {
       class: 'edits', popover: 'auto', 'aria-label': 'Edits of this session',
       on: {toggle: (event) => this.#toggled(event.newState === 'open')},
@@ -87,7 +89,6 @@ class EditPanel {
     this.#asked += 1;
     const asked = this.#asked;
     try {
-      this.#names ??= new FieldNames(new Schema(await this.#api.schema()), this.#api);
       const edits = await this.#api.edits();
       if (asked !== this.#asked) return;
       this.#alert.textContent = '';
@@ -136,7 +137,7 @@ class EditPanel {
   #change({path, from, to}) {
     const whole = [from, to].every((value) => value === 'all' || value === 'none');
     if (whole) return element('div', {}, `${path[path.length - 1]} ${to === 'all' ? 'added' : 'removed'}`);
-    const {symbol: sign, title, unit, lane} = /** @type {FieldNames} */ (this.#names).of(path);
+    const {symbol: sign, title, unit, lane} = this.#names.of(path);
     const values = `${shortened(valueText(from))} → ${shortened(valueText(to, unit))}`;
     return element('div', {title: path.join('.')},
       element('span', {class: 'edits-field'}, sign ? symbol(sign) : title),

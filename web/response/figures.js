@@ -2,7 +2,8 @@
 /** The figures of the whole response, each lane beside its baselines. */
 
 import {element} from '../dom/element.js';
-import {COLUMNS, threeDigits} from '../figures/columns.js';
+import {COLUMNS, figureNumber, figureText, inDigits} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 import {changeOf} from '../figures/change.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
 
@@ -20,20 +21,16 @@ import {withScrollCue} from '../dom/scroll_cue.js';
  */
 
 const DIVERGED = 'diverged';
-const MILLI = 1000;
 /** Error of an angle [rad] above which a run is not to be trusted blindly; ours. */
 const GOOD = 1e-3;
+const ACCURACY = figureOf('error_estimate');
 const ESTIMATE = {
-  id: 'estimate', title: 'accuracy', unit: 'mrad',
-  meaning: 'By how much the angles of this run may be off, as a second, coarser run tells.',
+  id: 'estimate', title: ACCURACY.short, unit: ACCURACY.shown_unit, meaning: `${ACCURACY.meaning}.`,
 };
 
-/** A margin is no figure of a run; of the six mean errors the chosen joints' are shown. */
+/** A margin is no figure of a run; of the columns of six joints the chosen ones' are shown. */
 function columnsFor(/** @type {number[]} */ joints) {
-  return COLUMNS.filter(({id, isMargin}) => {
-    const [, joint] = /^mae(\d)$/.exec(id) ?? [];
-    return !isMargin && (!joint || joints.includes(Number(joint)));
-  });
+  return COLUMNS.filter(({of, isMargin}) => !isMargin && (!of || joints.includes(of)));
 }
 
 /** The table; its rows are built when there are others, and filled in place. */
@@ -129,7 +126,7 @@ export class ResponseMetrics {
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
     fillEstimate(estimate, now, quick);
-    columns.forEach((column, index) => setText(cells[index], threeDigits(valueOf(column, now))));
+    columns.forEach((column, index) => setText(cells[index], textOf(column, now)));
   }
 
   /**
@@ -145,9 +142,9 @@ export class ResponseMetrics {
     const reason = incomparable(now, then, failure || (response ? '' : 'being computed'));
     row.title = reason;
     columns.forEach((column, index) => {
-      const before = valueOf(column, then);
-      const change = reason ? {kind: 'none', text: ''} : changeOf(before, valueOf(column, now));
-      fill(cells[index], threeDigits(before), change);
+      const change = reason ? /** @type {const} */ ({kind: 'none', text: ''})
+        : changeOf(valueOf(column, then), valueOf(column, now), column.figure.better);
+      fill(cells[index], textOf(column, then), change);
     });
   }
 }
@@ -163,6 +160,12 @@ function key(lane, baseline = 0) { return JSON.stringify([lane, baseline]); }
  * @param {LaneResponse|null} lane
  */
 function valueOf({value}, lane) { return lane ? value(lane.metrics, null) : null; }
+
+/**
+ * @param {Column} column
+ * @param {LaneResponse|null} lane
+ */
+function textOf(column, lane) { return inDigits(valueOf(column, lane), column.figure.digits); }
 
 /**
  * What a lane reached before it left its bounds can't be compared with a whole run.
@@ -202,12 +205,12 @@ function fillEstimate(cell, lane, quick) {
   const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
   // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
   const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
-  const known = error === null ? (quick ? '…' : '–') : `±${threeDigits(error * MILLI)}`;
+  const known = error === null ? (quick ? '…' : '–') : `±${figureNumber(ACCURACY, error)}`;
   setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
   cell.classList.toggle('is-doubtful', doubtful);
   cell.title = [
     quick ? 'estimated on release' : '',
-    (error ?? 0) > GOOD ? `above ${threeDigits(GOOD * MILLI)} mrad` : '',
+    (error ?? 0) > GOOD ? `above ${figureText(ACCURACY, GOOD)}` : '',
     unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
     capped > 0 ? `${counted(capped, 'row')} not cut as far as the error asked` : '',
   ].filter(Boolean).join(', ');

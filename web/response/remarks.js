@@ -5,6 +5,7 @@ import {element} from '../dom/element.js';
 import {FieldNames} from '../fields/field_names.js';
 import {icon} from '../dom/icons.js';
 import {proposalButton} from '../knobs/proposal.js';
+import {SCHEMA} from '../api/schema_document.js';
 import {Schema} from '../fields/schema.js';
 
 /** @typedef {import('../api/preview_message.js').Response} Response */
@@ -17,9 +18,8 @@ import {Schema} from '../fields/schema.js';
 /** A list that is there when there is something to say. */
 export class ResponseRemarks {
   element = element('ul', {class: 'response-remarks', 'aria-live': 'polite', hidden: true});
-  #api;
   #desk;
-  /** @type {Promise<FieldNames>|null} */ #names = null;
+  #names;
   #shown = '';
   /** @type {Response|null} */ #exact = null;
 
@@ -28,8 +28,8 @@ export class ResponseRemarks {
    * @param {import('../page/right_panel.js').Desk} desk
    */
   constructor(api, desk) {
-    this.#api = api;
     this.#desk = desk;
+    this.#names = new FieldNames(new Schema(SCHEMA), api);
   }
 
   /**
@@ -58,17 +58,8 @@ export class ResponseRemarks {
    * @param {HTMLElement} line
    * @param {Document} patch
    */
-  async #offer(line, patch) {
-    try {
-      this.#names ??= this.#api.schema().then((schema) => (
-        new FieldNames(new Schema(schema), this.#api)
-      ));
-      const names = await this.#names;
-      line.append(proposalButton({...this.#desk, names}, patch));
-    } catch (error) {
-      this.#names = null;
-      this.#desk.tell(/** @type {Error} */ (error).message, {error: true});
-    }
+  #offer(line, patch) {
+    line.append(proposalButton({...this.#desk, names: this.#names}, patch));
   }
 }
 

@@ -2,7 +2,7 @@
 /** On a narrow screen above the controls: what a move does, while the plots are out of sight. */
 
 import {element} from '../dom/element.js';
-import {COLUMNS, threeDigits} from '../figures/columns.js';
+import {COLUMNS, inDigits} from '../figures/columns.js';
 import {RedrawPace} from '../screen/redraw_pace.js';
 import {changeOf} from '../figures/change.js';
 import {responsePanels} from '../response/curves.js';
@@ -137,7 +137,7 @@ class TuningStrip {
   }
 
   #columns() {
-    const ids = [`mae${this.#joint}`, 'max', 'chattering'];
+    const ids = [`mae${this.#joint}`, 'max_error', 'chattering'];
     return COLUMNS.filter(({id}) => ids.includes(id));
   }
 
@@ -168,13 +168,13 @@ function placeholder() {
  * @param {LaneResponse} now
  * @param {LaneResponse|null} then
  */
-function figure({title, unit, value}, now, then) {
+function figure({title, unit, value, figure: {better, digits}}, now, then) {
   const is = value(now.metrics, null);
   const was = then && !then.frozen ? value(then.metrics, null) : null;
-  const change = then?.frozen ? {kind: 'better', text: 'diverged before'} : changeOf(was, is);
+  const change = then?.frozen ? {kind: 'better', text: 'diverged before'} : changeOf(was, is, better);
   return element(
     'div', {}, element('dt', {}, title),
-    element('dd', {}, `${threeDigits(is)} `, element('small', {}, unit)),
+    element('dd', {}, `${inDigits(is, digits)} `, element('small', {}, unit)),
     element('dd', {class: `response-change is-${change.kind}`}, change.text),
   );
 }

@@ -21,6 +21,7 @@ from slidetune.robot.lessons.lesson import (
     load_lesson,
 )
 from slidetune.robot.lessons.text import PLACEHOLDER, LessonText, written
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.simulate import simulate
 
 NAMES = [loaded.name for loaded in lessons()]
@@ -186,6 +187,16 @@ def test_tabs_are_those_of_the_plots() -> None:
 
 def test_every_metric_can_be_worked_out() -> None:
     assert set(get_args(Metric)) == set(METRICS)
+
+
+def test_metrics_that_are_figures_are_quoted_as_the_table_says() -> None:
+    for name, figure in {"mean_error": "mae", "margin_limit": "gamma_limit"}.items():
+        metric, entry = METRICS[name], FIGURES[figure]  # type: ignore[index]
+        assert (metric.unit, metric.factor) == (entry.shown_unit, entry.factor)
+        assert metric.label == entry.label
+    for name in METRICS.keys() & FIGURES.keys():
+        assert METRICS[name].label == FIGURES[name].label
+        assert METRICS[name].factor == FIGURES[name].factor
 
 
 def test_texts_are_filled_from_claims_and_experiments() -> None:

@@ -19,11 +19,12 @@ import pytest
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.laws.terms.switching import SWITCHINGS
+from slidetune.robot.loop.figures import STUDIED
 from slidetune.robot.loop.response import CHANNELS, quickened
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.study.knob import knob, knobs
 from slidetune.robot.study.plan import EPSILONS, sensitivity, strip, switching_comparison
-from slidetune.robot.study.variant import METRICS, figures
+from slidetune.robot.study.variant import figures
 from tests.server.conftest import LANES, Served
 
 Array = np.ndarray
@@ -96,7 +97,7 @@ def lines(served: Served, kind: str, **body: Any) -> list[Body]:
 
 
 def assert_same_figures(row: Body, expected: Body) -> None:
-    for name in METRICS:
+    for name in STUDIED:
         assert row[name] == (None if expected[name] is None else pytest.approx(expected[name]))
     assert (row["state"], row["reason"]) == (expected["state"], expected["reason"])
 

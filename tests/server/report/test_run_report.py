@@ -10,9 +10,10 @@ from rich.console import Console
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.loop.figures import FIGURES, figures_of
 from slidetune.robot.loop.simulate import Run, simulate
 from slidetune.server.report.run_figures import run_page
-from slidetune.server.report.run_report import UNITS, figure, json_text, print_report, report
+from slidetune.server.report.run_report import UNITS, figure_text, json_text, print_report, report
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +31,12 @@ def printed(run: Run, since: float = 0.0) -> str:
 
 def test_every_figure_has_a_unit(run: Run) -> None:
     assert set(UNITS) == {*run.lanes["A"].metrics.document(), "error_estimate"}
+
+
+def test_every_figure_of_a_run_stands_in_the_table_under_its_heading(run: Run) -> None:
+    text = " ".join(printed(run).split())
+    for entry in figures_of("run"):
+        assert f"{entry.heading} [{entry.shown_unit}]" in text
 
 
 def test_the_json_of_a_diverged_run_is_strict(run: Run) -> None:
@@ -55,7 +62,7 @@ def test_how_good_the_run_is_is_told_in_the_table_and_in_words(run: Run) -> None
     assert document["lanes"]["calm"]["accuracy"] == accuracy.document()
     text = " ".join(printed(run).split())
     assert "error estimate [mrad]" in text
-    assert figure(accuracy.error_estimate, 1e3) in text
+    assert figure_text(FIGURES["error_estimate"], accuracy.error_estimate) in text
     coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
     experiment = {"lanes": {"A": {"law": "rbfnn_nftsm"}}, "simulation": coarse}
     inaccurate = simulate(Experiment.from_document(experiment))
@@ -80,4 +87,4 @@ def test_remarks_and_causes_are_printed_in_words(run: Run) -> None:
     [(None, "—"), (0.0, "0"), (999.96, "1000"), (165667.2, "165,667"), (0.00012346, "0.0001235")],
 )
 def test_numbers_are_printed_as_people_read_them(value: float | None, text: str) -> None:
-    assert figure(value) == text
+    assert figure_text(FIGURES["chattering"], value) == text

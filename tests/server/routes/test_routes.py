@@ -7,11 +7,15 @@ import json
 import time
 from typing import Any
 
+import jsonschema_rs
 import pytest
 import ruamel.yaml
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.robot.loop.figures import FIGURES, figures_of
+from slidetune.server.contract.live_messages import Figures, SamplingMargin
+from slidetune.server.contract.schema import SchemaAnswer
 from tests.server.conftest import Served
 
 YAML = {"content-type": "application/yaml"}
@@ -41,6 +45,26 @@ def test_schema_describes_every_law(served: Served) -> None:
     assert {law["name"] for law in schema["x-laws"]} >= {"rbfnn_nftsm", "rbfnn_smc", "nftsm"}
     nu = schema["$defs"]["Nftsm"]["properties"]["nu"]
     assert (nu["minimum"], nu["maximum"], nu["unit"], nu["equation"]) == (0.01, 100, "1/s", "Eq. 5")
+
+
+def test_schema_publishes_the_table_of_figures_beside_a_valid_schema(served: Served) -> None:
+    schema = served.http.get("/api/schema").json()
+    assert schema["x-figures"] == [figure.document() for figure in FIGURES.values()]
+    jsonschema_rs.meta.validate(schema)
+    beside = {key: value for key, value in schema.items() if key not in ("x-laws", "x-figures")}
+    assert beside == Experiment.model_json_schema()
+    SchemaAnswer.model_validate(schema)
+
+
+def test_live_figures_are_those_that_the_table_says(served: Served) -> None:
+    live = [figure for figure in figures_of("run") if figure.live]
+    assert list(Figures.model_fields) == [figure.name for figure in live]
+    told = Figures.model_json_schema()["properties"]
+    for figure in live:
+        assert (told[figure.name]["type"] == "array") == figure.per_joint
+        assert told[figure.name]["description"] == figure.description
+    margin = {figure.name for figure in figures_of("margin") if figure.live}
+    assert margin <= SamplingMargin.model_fields.keys()
 
 
 def test_a_patch_changes_the_document_and_counts_up(served: Served) -> None:

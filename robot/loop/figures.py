@@ -1,0 +1,249 @@
+"""What every figure of a lane says of itself: names, units, digits, meaning, and what is better.
+
+The same record stands over the columns of the page, in the report of a run, in studies, lessons and
+the contract of the server: a new figure of a run is a field of ``Metrics`` and an entry here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from slidetune.robot.loop.metrics import HIGH_FREQUENCY
+
+Source = Literal["run", "accuracy", "margin"]
+Reduction = Literal["mean", "greatest", "none"]
+Better = Literal["less", "more", "none"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """One figure.
+
+    Attributes:
+        name: its key in the document where it stands.
+        title: in words.
+        short: heading of a column.
+        symbol: sign in the field, empty where the title says it best.
+        unit: of the number as it is, empty for none.
+        shown_unit: of the number as people read it.
+        factor: from the one unit to the other.
+        digits: significant digits on the screen.
+        per_joint: whether there are six.
+        reduced: how six become one. A mean hides the worst joint: a table shows all six of these.
+        better: which way is better.
+        meaning: what it is, without a full stop: who quotes it may add of which joint.
+        source: where it stands: ``Metrics`` of a run, its ``Accuracy``, or ``Margin``.
+        column: whether the page's tables have a column for it.
+        live: whether the live session measures it while it runs.
+        studied: whether studies tell it and gains can be judged by it.
+    """
+
+    name: str
+    title: str
+    short: str
+    symbol: str = ""
+    unit: str = ""
+    shown_unit: str = ""
+    factor: float = 1.0
+    digits: int = 3
+    per_joint: bool = False
+    reduced: Reduction = "none"
+    better: Better = "less"
+    meaning: str
+    source: Source = "run"
+    column: bool = False
+    live: bool = False
+    studied: bool = False
+
+    @property
+    def label(self) -> str:
+        """The symbol, or where there is none the title."""
+        return self.symbol or self.title
+
+    @property
+    def heading(self) -> str:
+        """The symbol, or where there is none the short title."""
+        return self.symbol or self.short
+
+    @property
+    def description(self) -> str:
+        """The meaning of the number as it is, as a sentence with its unit."""
+        joint, unit = " by joint" * self.per_joint, f" [{self.unit}]" if self.unit else ""
+        return f"{self.meaning}{joint}{unit}."
+
+    def overall(self, value: Any) -> float | None:
+        """Return one number for what ``Metrics`` holds; ``None`` where it isn't known."""
+        values = np.atleast_1d(value).tolist()
+        if None in values:
+            return None
+        return float(np.mean(values) if self.reduced == "mean" else np.max(values))
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry as plain JSON values."""
+        return asdict(self)
+
+
+_ANGLE: dict[str, Any] = {"unit": "rad", "shown_unit": "mrad", "factor": 1e3}
+_ANGLE_RATE: dict[str, Any] = {"unit": "rad/s", "shown_unit": "mrad/s", "factor": 1e3}
+_DISTANCE: dict[str, Any] = {"unit": "m", "shown_unit": "mm", "factor": 1e3}
+_TORQUE: dict[str, Any] = {"unit": "N·m", "shown_unit": "N·m"}
+_TORQUE_RATE: dict[str, Any] = {"unit": "N·m/s", "shown_unit": "N·m/s"}
+_TIME: dict[str, Any] = {"unit": "s", "shown_unit": "s"}
+_MEAN: dict[str, Any] = {"per_joint": True, "reduced": "mean"}
+_GREATEST: dict[str, Any] = {"per_joint": True, "reduced": "greatest"}
+
+_ENTRIES = (
+    Figure(
+        name="mae",
+        title="mean error",
+        short="MAE",
+        symbol="mean |e|",
+        meaning="Mean absolute error",
+        column=True,
+        live=True,
+        studied=True,
+        **_ANGLE,
+        **_MEAN,
+    ),
+    Figure(
+        name="max_error",
+        title="maximum error",
+        short="max |e|",
+        symbol="max |e|",
+        meaning="Greatest absolute error",
+        column=True,
+        live=True,
+        studied=True,
+        **_ANGLE,
+        **_GREATEST,
+    ),
+    Figure(
+        name="max_velocity_error",
+        title="maximum velocity error",
+        short="max |de|",
+        symbol="max |de|",
+        meaning="Greatest absolute velocity error",
+        live=True,
+        **_ANGLE_RATE,
+        **_GREATEST,
+    ),
+    Figure(
+        name="chattering",
+        title="chattering",
+        short="chattering",
+        meaning="How much the torques of all joints move up and down in a second",
+        column=True,
+        live=True,
+        studied=True,
+        **_TORQUE_RATE,
+    ),
+    Figure(
+        name="high_frequency_torque",
+        title=f"torque above {HIGH_FREQUENCY:g} Hz",
+        short=f"τ > {HIGH_FREQUENCY:g} Hz",
+        meaning=f"Effective torque above {HIGH_FREQUENCY:g} Hz, root sum of squares of the joints",
+        **_TORQUE,
+    ),
+    Figure(
+        name="peak_torque",
+        title="peak torque",
+        short="peak τ",
+        symbol="peak |τ|",
+        meaning="Greatest absolute torque",
+        column=True,
+        live=True,
+        **_TORQUE,
+        **_GREATEST,
+    ),
+    Figure(
+        name="reaching_time",
+        title="reaching time",
+        short="reaching time",
+        meaning="When S first came within its boundary layer, or beyond zero",
+        **_TIME,
+        **_GREATEST,
+    ),
+    Figure(
+        name="flange_rms",
+        title="flange RMS",
+        short="flange RMS",
+        meaning="Root mean square distance of the flange from where it should be",
+        column=True,
+        live=True,
+        studied=True,
+        **_DISTANCE,
+    ),
+    Figure(
+        name="flange_max",
+        title="greatest flange error",
+        short="flange max",
+        meaning="Greatest distance of the flange from where it should be",
+        live=True,
+        **_DISTANCE,
+    ),
+    Figure(
+        name="diverged_at",
+        title="diverged at",
+        short="diverged at",
+        meaning="When the lane left its bounds",
+        better="none",
+        **_TIME,
+    ),
+    Figure(
+        name="error_estimate",
+        title="error estimate",
+        short="accuracy",
+        meaning="By how much the angles of this run may be off, as a second, coarser run tells",
+        source="accuracy",
+        **_ANGLE,
+    ),
+    Figure(
+        name="gamma",
+        title="sampling margin",
+        short="γ",
+        symbol="γ",
+        meaning="Largest eigenvalue of T·D·M⁻¹",
+        source="margin",
+        better="none",
+        column=True,
+        live=True,
+    ),
+    Figure(
+        name="gamma_limit",
+        title="border of γ",
+        short="border",
+        symbol="γ border",
+        meaning="The γ at which this loop leaves its border when its reaching gains grow",
+        source="margin",
+        better="none",
+        live=True,
+    ),
+    Figure(
+        name="radius",
+        title="spectral radius",
+        short="ρ",
+        symbol="ρ",
+        digits=4,
+        meaning="Spectral radius of one control period within the boundary layer",
+        source="margin",
+        better="none",
+        live=True,
+    ),
+)
+
+FIGURES: Mapping[str, Figure] = MappingProxyType({entry.name: entry for entry in _ENTRIES})
+"""All of them by name, in the order in which they are shown."""
+
+
+def figures_of(*sources: Source) -> list[Figure]:
+    """Return the figures that stand in these documents."""
+    return [figure for figure in FIGURES.values() if figure.source in sources]
+
+
+STUDIED = tuple(figure.name for figure in FIGURES.values() if figure.studied)
+"""Names of the figures by which gains are judged."""

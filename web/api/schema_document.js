@@ -1,0 +1,24 @@
+// @ts-check
+/** The experiment's JSON Schema, which is there before anything of the page is built. */
+
+import {askForSchema} from './api.js';
+
+const RETRY_MS = 1000;
+
+/**
+ * With the laws in `x-laws` and the figures of a lane in `x-figures`.
+ *
+ * @type {import('../fields/merge_patch.js').Document}
+ */
+export const SCHEMA = await published();
+
+async function published() {
+  for (;;) {
+    try {
+      return await askForSchema();
+    } catch {
+      // Without it there is no page: a server that is busy is asked again.
+      await new Promise((done) => { setTimeout(done, RETRY_MS); });
+    }
+  }
+}
