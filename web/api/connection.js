@@ -7,7 +7,7 @@ const LONGEST_WAIT_MS = 10_000;
 const SILENCE_MS = 10_000;
 const REASONS = new Map([
   [1008, 'The server refused the connection.'],
-  [1013, 'The server has no room for another screen right now.'],
+  [1013, 'The server has reached its limit of open pages.'],
 ]);
 
 /**

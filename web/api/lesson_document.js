@@ -1,5 +1,5 @@
 // @ts-check
-/** What the server says of lessons: their list, and one of them, whole. */
+/** Messages from the server of lessons: their list, and one of them, whole. */
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /**

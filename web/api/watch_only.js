@@ -8,7 +8,7 @@ export const WATCH_ONLY = 'You are watching: this address shows the live session
   + 'Whoever started Slidetune has the address that does.';
 
 /** Said of what would take runs of its own. */
-export const RUNS_ARE_THE_OWNERS = 'Only the owner’s page can measure this: it takes runs.';
+export const RUNS_ARE_THE_OWNERS = 'Only the owner’s page can start runs.';
 
 /** Whose keys work: joints, cursors, the camera, the list of edits and that of keys. */
 const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', 'v', '?']);

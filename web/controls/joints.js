@@ -40,7 +40,7 @@ export class JointsControl extends Control {
     )));
     this.#merge = element('button', {
       class: 'button small', type: 'button', on: {click: () => this.set(this.#each[0].value)},
-    }, 'Make all alike');
+    }, 'Set all equal');
     this.#switch = element('input', {
       type: 'checkbox', role: 'switch', class: 'switch', 'aria-label': `${this.name}, on`,
       on: {change: () => this.set(this.#switch.checked ? this.#on ?? field.maximum : null)},
@@ -88,7 +88,7 @@ export class JointsControl extends Control {
     if (!this.held && (!shares || !this.#shares || greatest(shares))) this.#shares = shares;
     const index = shares ? this.#shares?.indexOf(greatest(this.#shares)) ?? 0 : 0;
     this.#all.set(at(value, index, this.field), at(baseline, index, this.field));
-    const words = shares ? 'The greatest of them; the others keep their proportion to it' : '';
+    const words = shares ? 'The largest value; the others scale with it' : '';
     this.#all.box.title = words;
     this.#all.slider.title = words;
   }

@@ -8,8 +8,8 @@ import {applyTheme} from '../screen/theme.js';
 /** @typedef {{[name: string]: any}} Document */
 
 const SIDES = /** @type {const} */ ([
-  ['to_', 'What you may say'],
-  ['from_', 'What the server says'],
+  ['to_', 'Messages you can send'],
+  ['from_', 'Messages from the server'],
 ]);
 
 /**
@@ -66,7 +66,7 @@ function answersTo(document, id) {
   const refusal = links.pop();
   const answers = links.flatMap((/** @type {Node} */ link, /** @type {number} */ at) => (at ? [' and ', link] : [link]));
   const begin = answers.length ? ['Answered by ', ...answers] : ['Not answered'];
-  return [...begin, '; where it is refused, by ', refusal, '.'];
+  return [...begin, '; if refused, by ', refusal, '.'];
 }
 
 /** @param {Document} layout of a binary message */
@@ -88,7 +88,7 @@ function limits(channel) {
   const rows = channel['x-limits'].map((/** @type {Document} */ limit) => element('tr', {},
     element('td', {class: 'number'}, [limit.value.toLocaleString('en'), limit.unit].filter(Boolean).join(' ')),
     element('td', {}, ...prose(limit.description))));
-  return section('limits', 'How much and how fast', table(['Limit', 'Of what'], rows, 'plain'));
+  return section('limits', 'Limits', table(['Limit', 'Of what'], rows, 'plain'));
 }
 
 /** @param {Document} channel */
@@ -96,7 +96,7 @@ function closeCodes(channel) {
   const rows = channel['x-close-codes'].map((/** @type {Document} */ one) => element('tr', {},
     element('td', {class: 'number'}, String(one.code)),
     element('td', {}, one.description)));
-  return section('close-codes', 'When the server hangs up', table(['Code', 'Reason'], rows, 'plain'));
+  return section('close-codes', 'Close codes', table(['Code', 'Reason'], rows, 'plain'));
 }
 
 /**
@@ -132,6 +132,6 @@ try {
   if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
   show(await answer.json());
 } catch (error) {
-  const text = `What the server says of its WebSocket could not be read: ${error}. Load the page again.`;
+  const text = `The server’s AsyncAPI document could not be read: ${error}. Load the page again.`;
   document.getElementById('contents')?.replaceChildren(element('p', {role: 'alert'}, text));
 }

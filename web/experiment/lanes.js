@@ -10,8 +10,8 @@ import {openMenu} from '../dom/menu.js';
 
 const MEANING = 'A lane is one controller in a closed loop of its own. All lanes run in lockstep '
   + 'against the same trajectory and disturbance.';
-const RESET_LANE = 'This lane begins anew where the trajectory is now, with the initial error and '
-  + 'velocity of the simulation and empty weights. Time and the other lanes go on.';
+const RESET_LANE = 'Restarts this lane where the trajectory is now, with the initial error and '
+  + 'velocity of the simulation and zero weights. Time and the other lanes continue.';
 
 /**
  * @param {HTMLElement} place
@@ -74,7 +74,7 @@ class LaneList {
     this.#list.replaceChildren(...this.#api.lanes.map((lane) => this.#row(lane)));
     const full = this.#api.lanes.length >= this.#most;
     this.#add.disabled = full;
-    this.#add.title = full ? `${this.#most} lanes at most` : 'Another closed loop, side by side';
+    this.#add.title = full ? `${this.#most} lanes at most` : 'Another controller, side by side';
     this.#mark();
     this.#laws();
     this.#states();
@@ -159,7 +159,7 @@ class LaneList {
       {label: 'Rename…', run: () => this.#rename(name)},
       {label: 'Duplicate', hint: 'same gains, same state', icon: 'plus',
         disabled: lanes.length >= this.#most, run: () => this.#duplicate(name)},
-      {label: 'Reset', hint: 'this lane alone, time goes on', icon: 'reset',
+      {label: 'Reset', hint: 'this lane only; time continues', icon: 'reset',
         run: () => this.#api.reset(name)},
       {label: 'Remove', icon: 'trash', danger: true, disabled: lanes.length < 2,
         run: () => this.#change(`removal of ${name}`, {[name]: null})},
@@ -215,7 +215,7 @@ class LaneList {
       const {lanes} = this.#api.experiment;
       const wanted = name.trim();
       if (wanted === old) return;
-      if (wanted in lanes) throw new Error(`There is a lane ${wanted} already.`);
+      if (wanted in lanes) throw new Error(`A lane ${wanted} already exists.`);
       const patch = {lanes: {[old]: null, [wanted]: lanes[old]}};
       await this.#history.change(patch, `name of ${wanted}`);
     });

@@ -14,7 +14,7 @@ import {same} from '../fields/merge_patch.js';
 
 /** What the server takes as a name, and how it says so. */
 const NAME = /^[a-z0-9][a-z0-9-]{0,59}$/;
-const NAME_RULE = 'A preset’s name has 1 to 60 of a-z, 0-9 and -, such as my-gains';
+const NAME_RULE = 'Use 1 to 60 of a-z, 0-9 and -, such as my-gains';
 
 /** Presets of the live session. */
 export class Presets {
@@ -144,7 +144,7 @@ export class Presets {
       if (there && agreed !== name) {
         agreed = name;
         relabel('Overwrite');
-        throw new Error(`There is a preset ${name} of yours already. Overwrite it?`);
+        throw new Error(`You already have a preset ${name}. Overwrite it?`);
       }
       await this.#describe(about.title, about.description);
       await this.#api.savePreset(name, {overwrite: Boolean(there)});

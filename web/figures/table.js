@@ -52,7 +52,7 @@ class Metrics {
     this.#api = api;
     this.#table = element(
       'table', {class: 'metrics-table'},
-      element('caption', {class: 'metrics-caption'}, 'How well each lane has followed in the live session'),
+      element('caption', {class: 'metrics-caption'}, 'How well each lane has tracked so far'),
       element('thead', {}, heading()), this.#body,
     );
     this.#showAll(recall('metrics.joints') === 'all');
@@ -87,7 +87,7 @@ class Metrics {
         ...spans),
       element('button', {
         class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
-        title: 'Back to t = 0, where every lane counts anew (Backspace)',
+        title: 'Back to t = 0: every lane’s figures start over (Backspace)',
       }, icon('reset'), 'Reset'),
       element('label', {class: 'metrics-all'}, joints, element('span', {}, 'all six joints')),
     );

@@ -169,7 +169,7 @@ export class Strip {
     const best = bestOf(this.rows, metric);
     if (!best) return `no value of ${this.#name} holds`;
     const figure = figureText(metric, /** @type {number} */ (best[metric.name]));
-    if (!this.#matters) return `makes no difference: ${figure}`;
+    if (!this.#matters) return `no effect: ${figure}`;
     return `best near ${rounded(best.value, '')}: ${figure}`;
   }
 }

@@ -25,7 +25,7 @@ export class StudyMetric extends EventTarget {
   list() {
     const select = element('select', {
       class: 'select study-metric', 'aria-label': 'Judge gains by',
-      title: 'The figure by which strips and bars judge a gain',
+      title: 'Figure by which strips and bars rank a gain’s values',
       on: {change: () => this.#choose(METRICS[select.selectedIndex])},
     }, ...METRICS.map(({name, title}) => element('option', {value: name}, `by ${title}`)));
     select.value = this.chosen.name;

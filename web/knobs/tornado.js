@@ -43,7 +43,7 @@ export class Tornado {
     this.#desk = desk;
     this.button = element('button', {
       class: 'button small', type: 'button', 'aria-expanded': 'false',
-      title: 'Tries every gain 10 % down and 10 % up over a whole run',
+      title: 'Runs the whole response with each gain 10 % lower and 10 % higher',
       on: {click: () => this.#toggle()},
     }, icon('tune'), 'Which knob next?');
     const close = element('button', {
@@ -233,9 +233,9 @@ export class Tornado {
     const better = this.#rows
       .filter((row) => !row.present && effectOf(row, metric, now) < -LEAST)
       .sort((a, b) => effectOf(a, metric, now) - effectOf(b, metric, now))[0];
-    if (!better) return 'No knob makes it better by ten percent up or down.';
+    if (!better) return 'No ±10 % change of one gain improves it.';
     const percent = `${better.factor && better.factor < 1 ? 'down' : 'up'} 10 percent`;
-    return `Most is gained with ${this.#named(better.name).title} ${percent}: `
+    return `Largest improvement: ${this.#named(better.name).title} ${percent}: `
       + `${wordsOf(better, metric, this.#present)}.`;
   }
 }

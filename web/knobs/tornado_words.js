@@ -83,9 +83,9 @@ function ceasing({state}) { return state === 'chattering' ? 'chatters,' : 'calm,
  * @returns {string} how it stands before any knob is turned
  */
 export function wordsOfNow(present, metric, lane) {
-  if (!present) return `Trying every gain of ${lane} 10 % down and up …`;
+  if (!present) return `Trying every gain of ${lane} at −10 % and +10 % …`;
   const figure = present[metric.name];
-  if (figure === null) return `${lane} diverges as it is. What 10 % of each gain would do:`;
-  return `${lane} as it is: ${metric.title} ${figureText(metric, figure)}. `
-    + 'What 10 % of each gain would do:';
+  if (figure === null) return `${lane} diverges. Effect of ±10 % of each gain:`;
+  return `${lane} now: ${metric.title} ${figureText(metric, figure)}. `
+    + 'Effect of ±10 % of each gain:';
 }

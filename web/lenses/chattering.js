@@ -31,7 +31,7 @@ export class ChatteringLens {
    */
   constructor(api, desk) {
     this.#card = new LensCard({
-      title: 'Where the torque lies in frequency', equation: 'Eq. 13, 14',
+      title: 'Torque over frequency', equation: 'Eq. 13, 14',
       words: 'The motion itself lives below a few hertz. What stands right of 50 Hz is chattering, '
         + 'or the sensors’ noise: it heats motors and shakes gears, and hardly moves the arm.',
     }, this.#spectrum.element);
@@ -46,14 +46,14 @@ export class ChatteringLens {
     const one = chattering.joints[joint - 1];
     this.#card.facts = [
       {name: 'total variation', value: figureText(VARIATION, one.variation),
-        title: 'How much the torque of this joint moves up and down in a second'},
+        title: 'Total variation of this joint’s torque per second'},
       {name: 'switches', value: `${threeDigits(one.switches)} /s`,
-        title: 'Sign changes of S a second'},
+        title: 'Sign changes of S per second'},
       {name: 'above 50 Hz', value: above(one.above)},
       {name: 'all joints', value: together(chattering)},
       ...(chattering.quiet ? [{
         name: 'without sensor noise', value: together(chattering.quiet),
-        title: 'All joints in the same run with sensors that measure exactly',
+        title: 'All joints, same run, exact sensors',
       }] : []),
     ];
     this.#card.finding = chatteringFinding(chattering, gains);

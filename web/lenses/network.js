@@ -33,22 +33,22 @@ export class NetworkLens {
   #torqueCard;
 
   constructor() {
-    const fit = choice('What the axis spans', [
+    const fit = choice('Range of the axis', [
       {id: 'visited', title: 'inputs of this run'}, {id: 'centers', title: 'all centres'},
     ], (id) => { this.#fit = id; this.#drawGaussians(); });
     this.#gaussianCard = new LensCard({
       title: 'What the Gaussians see', equation: 'Eq. 19', words: '',
     }, fit, this.#gaussians.element);
     this.#weightCard = new LensCard({
-      title: 'What the weights keep', equation: 'Eq. 21',
-      words: 'A weight grows as long as S isn’t zero and its Gaussian answers: dW/dt = φ h S. Left, '
+      title: 'What the weights store', equation: 'Eq. 21',
+      words: 'A weight grows as long as S isn’t zero and its Gaussian is active: dW/dt = φ h S. Left, '
         + 'the ten weights at the end; right, the norm of the weights, √ΣW², over the run. While that '
         + 'still climbs, it still learns.',
     }, this.#weights.element);
     this.#torqueCard = new LensCard({
       title: 'What f has learnt', equation: 'Eq. 9, 20, 22',
-      words: 'Dashed: the torque τ_eq + F that exact knowledge of arm and disturbance would ask '
-        + 'for. What f leaves open k₁S + k₂sw(S) must hold, and that takes an error.',
+      words: 'Dashed: the torque τ_eq + F that exact knowledge of arm and disturbance would '
+        + 'give. The reaching law k₁S + k₂sw(S) supplies what f does not, and that takes an error.',
     }, this.#torque.element);
     this.element = [
       this.#gaussianCard.element, this.#weightCard.element, this.#torqueCard.element,
@@ -68,9 +68,9 @@ export class NetworkLens {
     this.#look = look;
     const one = network.joints[joint - 1];
     const [name, symbol] = INPUTS[network.input] ?? ['the input', 'x'];
-    this.#gaussianCard.words = `Each curve is one Gaussian’s answer h to ${name} ${symbol} of joint `
+    this.#gaussianCard.words = `Each curve is one Gaussian’s activation h over ${name} ${symbol} of joint `
       + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
-      + 'the network tell one input from another.';
+      + 'the network distinguish one input from another.';
     this.#gaussianCard.facts = gaussianFacts(one, network.centers);
     this.#gaussianCard.finding = gaussianFinding(one, network.input);
     this.#drawGaussians();
@@ -112,9 +112,9 @@ function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, hi
     {name: 'width', value: `b = ${withUnit(width, 'rad')}`},
     {name: 'inputs', value: `${threeDigits(low)} to ${threeDigits(high)} rad`},
     {name: 'coverage', value: percent(coverage),
-      title: 'Share of the run in which some Gaussian answers with more than 0.1'},
+      title: 'Share of the run in which at least one Gaussian is above 0.1'},
     {name: 'spread', value: threeDigits(spread),
-      title: 'By how much the most sensitive Gaussian’s answer changes over these inputs, 0 to 1'},
+      title: 'Largest change of any Gaussian’s activation over these inputs, 0 to 1'},
     {name: 'independent', value: `${nodes.toFixed(2)} of 10`,
       title: 'How many Gaussians act independently of each other over these inputs'},
   ];
@@ -126,28 +126,28 @@ function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, hi
  */
 function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
   if (coverage < 0.9) {
-    return `For ${percent(1 - coverage)} of the run no Gaussian answers: there the network is blind. `
+    return `For ${percent(1 - coverage)} of the run no Gaussian is active: there the network is blind. `
       + 'Wider ones, or centres that span the inputs, would help.';
   }
   if (nodes < ONE_NODE) {
     const other = input === 'error' ? ', or the network look at q_d, which ranges wider' : '';
-    return 'All ten answer alike, whatever the input: together they are one weight, an integrator '
-      + `of S. To tell inputs apart, b and the centres’ gaps would have to be smaller than the range `
+    return 'All ten respond alike, whatever the input: together they act as one weight, an integrator '
+      + `of S. To distinguish inputs, b and the spacing of the centres would have to be smaller than the range `
       + `of the inputs, ${threeDigits(high - low)} rad${other}.`;
   }
-  return `Over these inputs the ten work like ${nodes.toFixed(1)} independent ones: the network can `
-    + 'keep another torque for another input.';
+  return `Over these inputs the ten act as ${nodes.toFixed(1)} independent ones: the network can `
+    + 'store a different torque for each.';
 }
 
 /** @param {any} one */
 function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
-  if (learnt === null) return 'This joint needs no torque, so that there is nothing to learn.';
+  if (learnt === null) return 'This joint needs no torque: there is nothing to learn.';
   const [all, rest] = [threeDigits(needed), threeDigits(missing)];
   if (learnt < 0.1) {
-    return `f hardly carries anything of the ${all} N·m: the reaching law does the work, with an `
-      + 'error that never dies. A higher φ learns faster.';
+    return `f supplies hardly any of the ${all} N·m: the reaching law does the work, with an `
+      + 'error that stays. A higher φ learns faster.';
   }
-  return `In the second half of the run f carries ${percent(learnt)} of the ${all} N·m that are `
+  return `In the second half of the run f supplies ${percent(learnt)} of the ${all} N·m that are `
     + `needed; ${rest} N·m are left to the reaching law.`;
 }
 

@@ -36,7 +36,7 @@ export class SlidingLens {
   /** @param {{trail: (joint: number) => Trail}} desk */
   constructor({trail}) {
     this.#trail = trail;
-    const fit = choice('What the axes span', [
+    const fit = choice('Range of the axes', [
       {id: 'response', title: 'fit the response'}, {id: 'layer', title: 'fit the layer'},
     ], (id) => { this.#fit = id; this.#drawPlane(); });
     this.#planeCard = new LensCard({
@@ -44,8 +44,8 @@ export class SlidingLens {
     }, fit, this.#plane.element);
     this.#energyCard = new LensCard({
       title: 'Does V fall?', equation: 'Eq. 23, first term',
-      words: 'V = ½ SᵀMS tells how far all six joints together are from their lines S = 0. Where '
-        + 'dV/dt is above zero, what the arm needs or suffers outruns the controller.',
+      words: 'V = ½ SᵀMS measures how far all six joints together are from S = 0. Where '
+        + 'dV/dt > 0, the motion and the disturbance outrun the controller.',
     }, this.#energy.element);
     this.element = [this.#planeCard.element, this.#energyCard.element];
   }
@@ -95,7 +95,7 @@ function energyFacts({growing, outside, turns, quiet_turns: quiet, joints}) {
       name: 'some S outside its layer', value: outside ? `${percent(outside)} of the time` : 'never',
     }] : []),
     {name: 'turns', value: `${threeDigits(turns)} /s${beside}`,
-      title: 'How often a second V turns between growing and falling'},
+      title: 'How often V turns between growing and falling, per second'},
   ];
 }
 
@@ -106,14 +106,14 @@ function energyFacts({growing, outside, turns, quiet_turns: quiet, joints}) {
 function planeFacts(one, sign) {
   const {layer, reaching_time: reached, last_outside: left, inside} = one;
   const constant = {
-    name: 'on the line', value: `e dies with ${threeDigits(one.time_constant)} s`,
+    name: 'on the line', value: `time constant ${threeDigits(one.time_constant)} s`,
     title: '(∂S/∂de) / (∂S/∂e) for a small error: c/ν, or 1/λ',
   };
   if (!layer) return [constant];
   return [
-    {name: sign ? 'as good as zero' : 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
+    {name: sign ? 'practically zero' : 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
     {name: 'reached', value: reached === null ? 'never' : `at ${figureText(REACHING, reached)}`,
-      title: sign ? 'When S first was as good as zero or passed it'
+      title: sign ? 'When S first was practically zero or passed it'
         : 'When |S| first was within the boundary layer, or S passed zero'},
     {name: 'last outside', value: left === null ? 'never' : `at ${threeDigits(left)} s`},
     {name: 'inside', value: `${percent(inside)} of the time`},

@@ -59,9 +59,9 @@ export class SmoothingCard {
       element('table', {class: 'lens-table'}, heading(), this.#table),
     );
     this.#card = new LensCard({
-      title: 'What smoothness costs', equation: 'Eq. 13 with tanh(S/ε)',
-      words: 'The same lane with one boundary layer ε after another, each point a whole run: left is '
-        + 'quiet, low is exact. Click a point to set its ε.',
+      title: 'What smoothing costs', equation: 'Eq. 13 with tanh(S/ε)',
+      words: 'The same lane over a range of boundary layers ε, one whole run per point: left is '
+        + 'quiet, low is accurate. Click a point to set its ε.',
     }, element('div', {class: 'lens-row'}, this.#button, this.#note), this.#figure.element,
     this.#details);
     this.element = this.#card.element;
@@ -165,7 +165,7 @@ export class SmoothingCard {
     }, 'use');
     return element(
       'tr', {title: reason || null},
-      element('th', {scope: 'row'}, isCurve ? `ε = ${short(value)}` : `${value}, as it is`),
+      element('th', {scope: 'row'}, isCurve ? `ε = ${short(value)}` : `${value}, now`),
       element('td', {}, figureNumber(ERROR, mae)),
       element('td', {}, figureNumber(CHATTERING, chattering)), element('td', {}, state), element('td', {}, use),
     );
@@ -212,13 +212,13 @@ function finding(points, mode) {
   const restless = Math.max(...points.map(({chattering}) => Number(chattering)));
   if (restless < FREE * Number(quiet.chattering)) {
     const where = mode === 'continuous'
-      ? ' A continuous controller doesn’t chatter; the price shows where it is sampled.' : '';
-    return `A small ε costs nothing here; most exact is ${told(exact)}.${where}`;
+      ? ' A continuous controller does not chatter; the cost shows when it is sampled.' : '';
+    return `A small ε costs nothing here; most accurate is ${told(exact)}.${where}`;
   }
   const bend = knee(points);
-  const turn = bend ? ` The knee is at ${told(bend)}: a thinner layer moves much more torque for little `
-    + 'accuracy, a wider one gives up accuracy for little calm.' : '';
-  return `Most exact is ${told(exact)}, quietest ${told(quiet)}.${turn}`;
+  const turn = bend ? ` The knee is at ${told(bend)}: a thinner layer adds much chattering for little `
+    + 'accuracy, a wider one loses accuracy for little calm.' : '';
+  return `Most accurate is ${told(exact)}, quietest ${told(quiet)}.${turn}`;
 }
 
 /**
@@ -282,7 +282,7 @@ function curveFigure(colors, {lane, color}, points, functions, present) {
       type: 'scatter', mode: 'markers+text', uid: 'functions', ...places(functions),
       text: functions.map(({value}) => value), textposition: 'bottom center', cliponaxis: false,
       textfont: {color: colors.text, size: 10},
-      hovertemplate: `%{text}, as it is<br>${numbers}<extra></extra>`,
+      hovertemplate: `%{text}, now<br>${numbers}<extra></extra>`,
       marker: {symbol: 'diamond-open', size: 10, color: colors.text, line: {width: 1.8}},
     }, {
       type: 'scatter', mode: 'markers', uid: 'present', x: present ? [CHATTERING.factor * present.x] : [],

@@ -52,7 +52,7 @@ export class SwitchingCard {
       element('table', {class: 'lens-table'}, heading(), this.#body),
     );
     this.#way = element(
-      'p', {class: 'lens-note'}, 'Nothing is sampled in continuous mode, so that sign holds S at zero '
+      'p', {class: 'lens-note'}, 'Nothing is sampled in continuous mode, so sign(S) holds S at zero '
         + 'and does not chatter. A real controller is sampled: ',
       element('button', {
         class: 'button small', type: 'button', on: {click: () => desk.presets.load(SAMPLED_PRESET)},
@@ -60,9 +60,9 @@ export class SwitchingCard {
     );
     this.#card = new LensCard({
       title: 'Sign, saturation, tanh', equation: 'Eq. 10–13',
-      words: 'sign(S) pushes with all of k₂ wherever S is not zero, so that a sampled controller '
-        + 'switches without end; saturation and tanh ease off within ε. One run of each, everything '
-        + 'else equal.',
+      words: 'sign(S) applies the full k₂ wherever S is not zero, so a sampled controller '
+        + 'switches endlessly; saturation and tanh ease off within ε. One run of each, all else '
+        + 'equal.',
     }, element('div', {class: 'lens-row'}, this.#button, this.#note), this.#table, this.#way,
     this.#figure.element);
     this.element = this.#card.element;

@@ -32,14 +32,14 @@ export function switches(gains) {
  */
 function wayOut(gains, noise) {
   if (!('switching' in gains)) {
-    return noise ? 'Less k_d passes on less of it.' : 'Less k_d, or a faster control rate, is quieter.';
+    return noise ? 'A lower k_d amplifies it less.' : 'A lower k_d, or a faster control rate, is quieter.';
   }
   if (gains.switching === 'sign' && switches(gains)) {
-    return noise ? 'tanh in place of sign would pass on less of it.'
+    return noise ? 'tanh in place of sign would amplify it less.'
       : 'tanh in place of sign, or a smaller k₂, is quieter.';
   }
-  if (!switches(gains)) return noise ? 'Less k₁ passes on less of it.' : 'Less k₁ is quieter.';
-  return noise ? 'A wider boundary layer ε, or smaller k₁ and k₂, passes on less of it.'
+  if (!switches(gains)) return noise ? 'A lower k₁ amplifies it less.' : 'A lower k₁ is quieter.';
+  return noise ? 'A wider boundary layer ε, or smaller k₁ and k₂, amplifies it less.'
     : 'A wider boundary layer ε, or a smaller k₂, is quieter.';
 }
 
@@ -55,8 +55,8 @@ export function chatteringFinding({frequency, switches: count, above: torque, ma
   if (torque <= CHATTERS) return `Smooth: hardly any torque above 50 Hz, with ${error}.`;
   const all = figureText(ABOVE, torque);
   if (quiet && quiet.above !== null && quiet.above <= CHATTERS) {
-    return `Sensor noise, no chattering: of ${all} above 50 Hz, ${figureText(ABOVE, quiet.above)} are left `
-      + `in the same run without noise. The gains pass on what the sensors make up. `
+    return `Sensor noise, not chattering: of ${all} above 50 Hz, ${figureText(ABOVE, quiet.above)} are left `
+      + `in the same run without noise. The gains amplify what the sensors add. `
       + `${wayOut(gains, true)} There are ${error}.`;
   }
   const rest = quiet && quiet.above !== null
@@ -84,11 +84,11 @@ export function planeFinding(one, horizon, gains) {
     return `S never came within the layer: k₁ and k₂ don’t overcome what acts on this joint.${slow}`;
   }
   if (gains.switching === 'sign') {
-    return 'sign(S) knows no layer, and ε does nothing: it pushes with all of k₂ wherever S is not '
-      + `zero. For ${percent(inside)} of the time S is as good as zero.${slow}`;
+    return 'sign(S) has no layer, and ε has no effect: it applies the full k₂ wherever S is not '
+      + `zero. For ${percent(inside)} of the time S is practically zero.${slow}`;
   }
   if (1 - inside < HARDLY) {
-    return 'The whole response of this joint lies within the layer: there tanh and saturation are '
+    return 'The whole response of this joint stays within the layer: there tanh and saturation are '
       + `little more than a gain k₂/ε, and nothing switches.${slow}`;
   }
   const begins = reached ? `S came within the layer after ${figureText(REACHING, reached)}` : 'S begins within the layer';
@@ -104,14 +104,14 @@ export function energyFinding(sliding, horizon, gains) {
   if (sliding.turns > RESTLESS) return restless(sliding, gains);
   const {outside, growing, growing_outside: beyond, joints} = sliding;
   if (!joints.some((/** @type {{layer: number}} */ {layer}) => layer)) {
-    return 'This law has no layer, so that V never has to fall: it follows what the arm needs or '
-      + `suffers, and grows for ${percent(growing)} of the time.`;
+    return 'This law has no layer, so V need not fall: it follows the motion and the '
+      + `disturbance, and grows for ${percent(growing)} of the time.`;
   }
   const follows = 'within the layers nothing forces V to fall, it follows the motion.';
   if (!outside) return `Every S stays within its layer: ${follows}`;
   const span = `${threeDigits(outside * horizon)} s in all`;
   if (beyond < HARDLY) {
-    return `While some S is outside its layer (${span}) V falls all the time: there the gains beat `
+    return `While some S is outside its layer (${span}) V falls all the time: there the gains overcome `
       + `everything that disturbs. ${follows.replace('w', 'W')}`;
   }
   return `While some S is outside its layer (${span}) V grows for ${percent(beyond)} of that time: `
@@ -126,18 +126,18 @@ function restless({turns, quiet_turns: quiet, outside}, gains) {
   const often = `V turns ${threeDigits(turns)} times a second`;
   const apart = quiet === null ? '' : `, and ${threeDigits(quiet)} times without sensor noise`;
   if (quiet !== null && quiet <= RESTLESS) {
-    return `${often}${apart}: it is the noise that trembles, not the switching. S is only as calm as `
+    return `${often}${apart}: that is measurement noise, not switching. S is only as calm as `
       + 'it is measured.';
   }
   if (!switches(gains)) {
-    return `${often}${apart}: the torque is held for a whole sample and pushes too far each time. `
+    return `${often}${apart}: the torque is held for a whole sample and overshoots each time. `
       + 'Nothing switches in this law; its gains are too high for the control rate.';
   }
   if (gains.switching !== 'sign' && outside < HARDLY) {
-    return `${often}${apart}: the torque is held for a whole sample and pushes beyond the line each `
+    return `${often}${apart}: the torque is held for a whole sample and overshoots the line each `
       + 'time, though hardly any S leaves its layer. Nothing switches; k₁ + k₂/ε is too steep for the '
       + 'control rate.';
   }
-  return `${often}${apart}: the torque is held for a whole sample and pushes beyond the line each `
+  return `${often}${apart}: the torque is held for a whole sample and overshoots the line each `
     + 'time. That is chattering, not a lack of gain.';
 }

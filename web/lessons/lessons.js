@@ -159,7 +159,7 @@ class Lessons {
     course.end();
     this.#course = null;
     noteOpenLesson(null);
-    const text = 'The experiment is as it was before the lesson.';
+    const text = 'Your experiment is back as it was before the lesson.';
     if (restore) tellWithUndo(this.#tell, this.#history, text);
     return true;
   }

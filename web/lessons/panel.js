@@ -117,8 +117,8 @@ export class LessonPanel {
     this.#alert.replaceChildren();
     const back = element('button', {
       class: 'button icon-only small lesson-back', type: 'button',
-      'aria-label': 'All lessons: ends this one, the experiment goes back',
-      title: 'All lessons (the experiment goes back)', on: {click: () => this.#actions.list()},
+      'aria-label': 'All lessons: ends this one and restores your experiment',
+      title: 'All lessons (restores your experiment)', on: {click: () => this.#actions.list()},
     }, icon('chevron'));
     this.#head.replaceChildren(back, element('span', {class: 'lesson-name'}, lesson.title),
       this.#fold, this.#close());
@@ -172,7 +172,7 @@ export class LessonPanel {
       on: {click: () => this.#actions.move(1)},
     }, isLast ? 'Finish' : 'Next');
     const keep = element('button', {
-      class: 'button', type: 'button', title: 'End the lesson without bringing the former experiment back',
+      class: 'button', type: 'button', title: 'End the lesson and keep the experiment as it is now',
       on: {click: () => this.#actions.keep()},
     }, 'Keep this experiment');
     const bar = element('progress', {max: lesson.steps.length, 'aria-label': 'Progress'});
@@ -181,7 +181,7 @@ export class LessonPanel {
   }
 
   #close() {
-    const hint = this.#course ? 'Close: ends the lesson, the experiment goes back' : 'Close';
+    const hint = this.#course ? 'Close: ends the lesson and restores your experiment' : 'Close';
     return element('button', {
       class: 'button icon-only small', type: 'button', 'aria-label': hint, title: hint,
       on: {click: () => this.#actions.close()},

@@ -111,9 +111,9 @@ function messageFor(ring, view, panels, window, still) {
   if (!panels.length) return view.empty ?? 'Nothing to show.';
   if (ring.empty) return 'No data yet. Press play or step.';
   if (panels.every(({traces}) => !traces.length)) return 'Every lane is hidden.';
-  if (window[1] < ring.timeOf(ring.start)) return 'Nothing is kept of this time any more.';
+  if (window[1] < ring.timeOf(ring.start)) return 'No data is kept for this time any more.';
   if (still !== null && still < ring.timeOf(ring.start)) {
-    return `Every lane has stood still since ${shortTime(still)}: reset them.`;
+    return `Every lane has been frozen since ${shortTime(still)}: reset them.`;
   }
   return '';
 }

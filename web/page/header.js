@@ -91,7 +91,7 @@ function moreButton(presets, chooseFile, openLessons, openEdits) {
       {label: 'Lessons', icon: 'learn', run: openLessons},
       {label: 'Edits of this session', icon: 'clock', run: openEdits},
       'separator',
-      {label: 'Light, dark or as the system', icon: 'moon', run: nextTheme},
+      {label: 'Light, dark or system theme', icon: 'moon', run: nextTheme},
       {label: 'Keys', icon: 'keyboard', run: showKeys},
     ])},
   }, icon('more'));

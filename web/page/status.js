@@ -61,9 +61,9 @@ export function mountStatus(place, api) {
 function warn(badge, factor, asked) {
   if (badge.dataset.factor === factor) return;
   badge.dataset.factor = factor;
-  badge.title = factor ? `slower than asked: ${factor} of ${asked}×` : '';
+  badge.title = factor ? `slower than requested: ${factor} of ${asked}×` : '';
   const words = (/** @type {string} */ text) => element('span', {class: 'wide-only'}, text);
-  const text = [element('span', {class: 'narrow-only'}, 'slow '), words('slower than asked: '),
+  const text = [element('span', {class: 'narrow-only'}, 'slow '), words('slower than requested: '),
     factor, words(` of ${asked}×`)];
   badge.replaceChildren(...(factor ? text : []));
 }

@@ -29,7 +29,7 @@ export class BaselineList {
     this.#baselines = baselines;
     this.#pin = element('button', {
       type: 'button', class: 'plots-button response-pin', on: {click: pin},
-      'aria-label': 'Pin as baseline', title: 'Pin as baseline: compare what comes with this',
+      'aria-label': 'Pin as baseline', title: 'Pin as baseline: compare later responses with this one',
     }, icon('pin'), element('span', {}, 'Pin'));
     this.element.append(this.#pin, this.#list);
   }

@@ -212,7 +212,7 @@ function fillEstimate(cell, lane, quick) {
     quick ? 'estimated on release' : '',
     (error ?? 0) > GOOD ? `above ${figureText(ACCURACY, GOOD)}` : '',
     unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
-    capped > 0 ? `${counted(capped, 'row')} not cut as far as the error asked` : '',
+    capped > 0 ? `${counted(capped, 'row')} not subdivided as far as its error required` : '',
   ].filter(Boolean).join(', ');
 }
 

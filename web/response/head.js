@@ -12,7 +12,7 @@ import {isWatching, ownersLast} from '../api/watch_only.js';
 
 /** A run that is over sooner needs no word. */
 const PATIENCE_MS = 300;
-const QUICK = 'Steps of 2 ms while a control is being moved; the exact run comes on release.';
+const QUICK = 'Steps of 2 ms while a control is being moved; the exact run follows on release.';
 const EXACT = 'Every lane from t = 0 over the horizon, with the step of the experiment.';
 
 /** The line of status with its progress bar, and what may go wrong. */
@@ -41,7 +41,7 @@ export class ResponseHead {
     const switches = element(
       'div', {class: 'response-switches', role: 'group', 'aria-label': 'When and where to show'},
       switchBox('open on drag', opens, open,
-        'Moving a control opens this view. Without it, this tab gets a dot.'),
+        'Moving a control opens this view. If off, its tab shows a dot instead.'),
       switchBox('paths in 3D', scene, paths,
         'The flange’s path of the whole response, in the 3D scene, also while another view is open.'),
     );

@@ -125,5 +125,5 @@ function stopsOf({current, shows}) {
 
 function waiting() {
   if (!isWatching()) return 'Computing the response …';
-  return 'No response yet: as soon as the owner opens Response, it is here as well.';
+  return 'No response yet: it appears here as soon as the owner opens Response.';
 }

@@ -45,7 +45,7 @@ export function mount(place, api, pressed) {
 function homeButton(home) {
   return element('button', {
     type: 'button', class: 'button icon-only scene-home', 'aria-label': 'Home view',
-    title: 'Home view: the camera where it began (V)', on: {click: home},
+    title: 'Home view: reset the camera (V)', on: {click: home},
   }, icon('home'));
 }
 

@@ -185,7 +185,7 @@ class Scrub {
       name: 'name', label: `Name of the lane that goes on from ${origin}`, required: true, length: 40,
       value: this.#free(origin),
       hint: `All lanes go back to t = ${time.toFixed(1)} s and go on from there. The new one begins `
-        + 'with the same gains; turn its knobs as usual.',
+        + 'with the same gains; tune it as usual.',
     };
     ask('Fork here', [question], 'Fork', async ({name}) => {
       const wanted = name.trim();

@@ -13,9 +13,9 @@ const HELP = [
   ['Backspace', 'Reset to t = 0'],
   ['K', 'Kick: a push on the joints'],
   ['V', 'Home view of the 3D scene'],
-  ['Shift drag', 'In the 3D scene: push the arm at the point where you take it'],
+  ['Shift drag', 'In the 3D scene: push the arm where you grab it'],
   ['L', 'Lessons'],
-  ['H', 'Edits of this session, and the way back'],
+  ['H', 'Edits of this session, and undo'],
   ['1 to 6', 'Show or hide a joint in the plots'],
   ['A, B', 'Set a cursor in the plots, where the pointer is'],
   ['← →, Shift ← →', 'Move the chosen cursor, a little or more'],
@@ -23,7 +23,7 @@ const HELP = [
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
   ['Ctrl V', 'Import an experiment from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
-  ['Esc', 'Take back what is typed; remove cursors; close'],
+  ['Esc', 'Discard what is typed; remove cursors; close'],
   ['?', 'This list'],
 ];
 

@@ -162,9 +162,9 @@ def test_six_shares_are_scaled_by_one_slider_and_keep_their_ratios(
     greatest.fill("160")
     screen.keyboard.press("Enter")
     until_gains(dashboard, "sign", k1=[160, 160, 80, 16, 16, 16])
-    k1.get_by_role("button", name="Make all alike").click()
+    k1.get_by_role("button", name="Set all equal").click()
     until_gains(dashboard, "sign", k1=160.0)
-    expect(k1.get_by_role("button", name="Make all alike")).to_be_hidden()
+    expect(k1.get_by_role("button", name="Set all equal")).to_be_hidden()
 
 
 def test_the_tour_takes_the_constant_torque_away_with_one_slider(

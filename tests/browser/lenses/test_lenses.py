@@ -124,9 +124,9 @@ def test_live_point_moves_and_stays_on_its_lane(page: Page, dashboard: Dashboard
 def test_a_gain_turned_elsewhere_is_looked_at_anew(page: Page, dashboard: Dashboard) -> None:
     open_lens(page, dashboard, "Sliding mode")
     line = fact(page, "Where the error goes", "on the line")
-    expect(line).to_have_text("e dies with 33.3 s")
+    expect(line).to_have_text("time constant 33.3 s")
     looked(page, patch(dashboard, {"lanes": {LANE: {"nu": 5.0}}}))
-    expect(line).to_have_text("e dies with 2.00 s")
+    expect(line).to_have_text("time constant 2.00 s")
 
 
 def test_nothing_is_computed_while_the_lenses_are_hidden(page: Page, dashboard: Dashboard) -> None:
@@ -145,7 +145,7 @@ def test_nothing_is_computed_while_the_lenses_are_hidden(page: Page, dashboard: 
 def test_network_lens_shows_what_the_run_has_learnt(page: Page, dashboard: Dashboard) -> None:
     open_lens(page, dashboard, "Network")
     run = run_of(dashboard, LANE)
-    weights = trace(page, "What the weights keep", "weights")["y"]
+    weights = trace(page, "What the weights store", "weights")["y"]
     assert weights == pytest.approx(run.final_weights[:, 0].tolist(), rel=1e-5)
     assert trace(page, "What f has learnt", "f")["y"][-1] == pytest.approx(run.f[-1, 0], rel=1e-5)
     expect(fact(page, "What the Gaussians see", "independent")).to_have_text("1.00 of 10")
@@ -156,7 +156,7 @@ def test_network_lens_shows_what_the_run_has_learnt(page: Page, dashboard: Dashb
 def test_chattering_lens_agrees_with_the_metrics(page: Page, dashboard: Dashboard) -> None:
     open_lens(page, dashboard, "Chattering", "chattering-sign")
     metrics = run_of(dashboard, "sign").metrics
-    numbers = fact(page, "Where the torque lies in frequency", "all joints")
+    numbers = fact(page, "Torque over frequency", "all joints")
     shown = [float(text) for text in re.findall(r"[\d.]+", numbers.inner_text())]
     assert metrics.high_frequency_torque is not None
     assert shown[0] == pytest.approx(metrics.chattering, rel=5e-3)
@@ -167,7 +167,7 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     page: Page, dashboard: Dashboard
 ) -> None:
     open_lens(page, dashboard, "Chattering", "chattering-sign")
-    costs = card(page, "What smoothness costs")
+    costs = card(page, "What smoothing costs")
     costs.get_by_role("button", name="Measure the curve").click()
     expect(costs.get_by_role("button", name="Measure again")).to_be_visible(timeout=60_000)
     costs.get_by_text("All points as a table").focus()
@@ -182,7 +182,7 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     page.keyboard.press("Control+z")
     until(dashboard, "sign", "epsilon", 0.03)
     assert experiment(dashboard)["lanes"]["sign"]["switching"] == "sign"
-    values = trace(page, "What smoothness costs", "curve")
+    values = trace(page, "What smoothing costs", "curve")
     point = costs.locator(".lens-graph .scatterlayer .trace").first.locator(".point").last
     # What the undo changed is drawn anew and moves all below: who misses then aims once more.
     hovered, deadline = costs.locator(".hoverlayer"), time.monotonic() + 30.0
@@ -255,7 +255,7 @@ def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
 
 def test_noise_of_the_sensors_is_not_called_chattering(page: Page, dashboard: Dashboard) -> None:
     open_lens(page, dashboard, "Chattering", "realistic")
-    title = "Where the torque lies in frequency"
+    title = "Torque over frequency"
     quiet = card(page, title).locator(".lens-facts").get_by_text("without sensor noise")
     verdict = card(page, title).locator(".lens-finding")
     for lane in experiment(dashboard)["lanes"]:
