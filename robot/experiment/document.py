@@ -24,7 +24,9 @@ FORMAT = 1
 """Version of the document's format."""
 MAX_LANES = 6
 
-_LANE_NAME = re.compile(r"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{1,40}")
+LONGEST_LANE_NAME = 40
+
+_LANE_NAME = re.compile(rf"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{{1,{LONGEST_LANE_NAME}}}")
 
 
 def _lane_name(name: str) -> str:
@@ -33,7 +35,8 @@ def _lane_name(name: str) -> str:
         raise ValueError("__proto__ is no name for a lane: JavaScript keeps it for itself")
     if not _LANE_NAME.fullmatch(name) or name != name.strip():
         raise ValueError(
-            "a lane's name has 1 to 40 characters, without / \\ < > and blanks at its ends"
+            f"a lane's name has 1 to {LONGEST_LANE_NAME} characters, without / \\ < > and blanks "
+            "at its ends"
         )
     return name
 

@@ -9,7 +9,7 @@ from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.fields.written_value import written
 
 LONGEST_NAME = 60
-_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
+_NAME = re.compile(rf"[a-z0-9][a-z0-9-]{{0,{LONGEST_NAME - 1}}}")
 # Windows takes these for devices, whatever their ending.
 _DEVICES = re.compile(r"con|prn|aux|nul|(com|lpt)[0-9]")
 

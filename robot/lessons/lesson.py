@@ -24,6 +24,8 @@ from slidetune.robot.fields.quantity import Section, refusal
 from slidetune.robot.fields.refusal import field_errors
 from slidetune.robot.lessons.claim import Claim
 
+MOST_EXAGGERATION = 50.0
+"""Greatest factor by which deviations from the desired arm are enlarged (*ours*)."""
 LESSON_FOLDER = SHIPPED_FOLDER / "lessons"
 """Beside the presets that ship, in a checkout and in an installed wheel alike."""
 
@@ -69,7 +71,7 @@ class Step(Section):
     patch: dict[str, Any] = Field({}, description="JSON Merge Patch to what was before.")
     lane: str = Field("", description="Lane to select; empty: leave it.")
     view: View | None = Field(None, description="Tab of the plots to open.")
-    exaggeration: float | None = Field(None, ge=1.0, le=50.0)
+    exaggeration: float | None = Field(None, ge=1.0, le=MOST_EXAGGERATION)
     reset: bool = Field(False, description="Whether time starts again at 0.")
     samples: int = Field(
         0, ge=0, le=1000, description="Hold the plots on so many samples; 0: follow the newest."

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from slidetune.robot.experiment.document import LaneName
+from slidetune.robot.lessons.lesson import MOST_EXAGGERATION
 from slidetune.server.live.push import KICK, KICK_DURATION
 from slidetune.server.live.session import SPEEDS
 
@@ -280,7 +281,11 @@ class ViewMessage(Request):
 
     type: Literal["view"]
     exaggeration: float | None = Field(
-        None, ge=1.0, le=50.0, description="Factor by which deviations are enlarged.", examples=[20]
+        None,
+        ge=1.0,
+        le=MOST_EXAGGERATION,
+        description="Factor by which deviations are enlarged.",
+        examples=[20],
     )
     ghosts: bool | None = Field(None, description="Whether the other lanes' arms are drawn.")
 

@@ -48,3 +48,8 @@ class SchemaAnswer(BaseModel):
     x_figures: list[FigureInfo] = Field(
         alias="x-figures", description="Every figure of a lane, in the order of the tables."
     )
+    x_bounds: dict[str, float] = Field(
+        alias="x-bounds",
+        description="Longest names in characters, and the greatest factor by which deviations are "
+        "enlarged.",
+    )

@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Body, Query, Request, Response
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
-from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
+from slidetune.robot.experiment.preset_name import LONGEST_NAME
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.robot.lessons.lesson import MOST_EXAGGERATION
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import OR_YAML, YAML
@@ -69,6 +71,11 @@ def experiment_router(app_state: AppState) -> APIRouter:
         **Experiment.model_json_schema(),
         "x-laws": law_infos(),
         "x-figures": [figure.document() for figure in FIGURES.values()],
+        "x-bounds": {
+            "lane_name": LONGEST_LANE_NAME,
+            "preset_name": LONGEST_NAME,
+            "exaggeration": MOST_EXAGGERATION,
+        },
     }
 
     def present(waiting_steps: int = 0) -> dict[str, Any]:
@@ -78,7 +85,8 @@ def experiment_router(app_state: AppState) -> APIRouter:
     async def schema() -> dict[str, Any]:
         """JSON Schema of an experiment with symbols, units and bounds.
 
-        The laws stand in ``x-laws``, the figures of a lane in ``x-figures``.
+        The laws stand in ``x-laws``, the figures of a lane in ``x-figures``, and what else is
+        bounded in ``x-bounds``.
         """
         return published
 

@@ -79,5 +79,5 @@ def served(server: Served) -> Served:
     session.play()
     done = threading.Event()
     session.ask(done.set)
-    assert done.wait(30.0)
+    assert done.wait(300.0)  # the first step of a session compiles its kernels
     return server

@@ -6,11 +6,13 @@ import {askForSchema} from './api.js';
 const RETRY_MS = 1000;
 
 /**
- * With the laws in `x-laws` and the figures of a lane in `x-figures`.
+ * With the laws in `x-laws`, the figures of a lane in `x-figures` and further bounds in `x-bounds`.
  *
  * @type {import('../fields/merge_patch.js').Document}
  */
 export const SCHEMA = await published();
+/** @type {{lane_name: number, preset_name: number, exaggeration: number}} */
+export const BOUNDS = SCHEMA['x-bounds'];
 
 async function published() {
   for (;;) {

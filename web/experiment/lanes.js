@@ -1,6 +1,7 @@
 // @ts-check
 /** The lanes: which there are, how they fare, and what can be done with them. */
 
+import {BOUNDS} from '../api/schema_document.js';
 import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -210,7 +211,9 @@ class LaneList {
 
   /** @param {string} old */
   #rename(old) {
-    const question = {name: 'name', label: 'Name', value: old, required: true, length: 40};
+    const question = {
+      name: 'name', label: 'Name', value: old, required: true, length: BOUNDS.lane_name,
+    };
     ask(`Rename ${old}`, [question], 'Rename', async ({name}) => {
       const {lanes} = this.#api.experiment;
       const wanted = name.trim();

@@ -1,7 +1,7 @@
 // @ts-check
 /** Presets: the list to load from, saving under a name, deleting one's own, YAML out. */
 
-import {SCHEMA} from '../api/schema_document.js';
+import {BOUNDS, SCHEMA} from '../api/schema_document.js';
 import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -14,7 +14,7 @@ import {same} from '../fields/merge_patch.js';
 
 /** What the server takes as a name, and how it says so. */
 const NAME = /^[a-z0-9][a-z0-9-]{0,59}$/;
-const NAME_RULE = 'Use 1 to 60 of a-z, 0-9 and -, such as my-gains';
+const NAME_RULE = `Use 1 to ${BOUNDS.preset_name} of a-z, 0-9 and -, such as my-gains`;
 
 /** Presets of the live session. */
 export class Presets {
@@ -125,7 +125,7 @@ export class Presets {
   #askHow(schema) {
     const {preset, experiment} = this.#api;
     const questions = [
-      {name: 'name', label: 'Name', value: preset, required: true, length: 60,
+      {name: 'name', label: 'Name', value: preset, required: true, length: BOUNDS.preset_name,
         hint: 'Small letters, digits and -; it becomes the file’s name.'},
       {name: 'title', label: 'Title', value: experiment.title,
         length: schema.longest('title')},

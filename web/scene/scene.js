@@ -1,12 +1,13 @@
 // @ts-check
 /** The 3D scene and what is laid over it. */
 
+import {BOUNDS} from '../api/schema_document.js';
 import {element, freshId} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {bare, goHome, holdShift} from './frame.js';
 
 const ADDRESS = {light: '/scene/', dark: '/scene/?darkMode'};
-const MOST = 50;
+const MOST = BOUNDS.exaggeration;
 const PUSH = 'Drag the arm to push it, with the mouse or with a finger. Without this switch: '
   + 'hold Shift and drag the arm.';
 
@@ -90,7 +91,7 @@ function bar(api, push) {
 
 /**
  * @param {number} percent of the slider
- * @returns {number} 1 to 50, evenly in its logarithm
+ * @returns {number} 1 to the greatest, evenly in its logarithm
  */
 function along(percent) {
   const times = MOST ** (percent / 100);

@@ -1,6 +1,7 @@
 // @ts-check
 /** A look back over the last minute: the 3D scene shows it, and a lane may branch off there. */
 
+import {BOUNDS} from '../api/schema_document.js';
 import {ask} from '../dom/dialog.js';
 import {element, freshId} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -182,8 +183,8 @@ class Scrub {
     const origin = this.#api.selected;
     if (time === null) return;
     const question = {
-      name: 'name', label: `Name of the lane that goes on from ${origin}`, required: true, length: 40,
-      value: this.#free(origin),
+      name: 'name', label: `Name of the lane that goes on from ${origin}`, required: true,
+      length: BOUNDS.lane_name, value: this.#free(origin),
       hint: `All lanes go back to t = ${time.toFixed(1)} s and go on from there. The new one begins `
         + 'with the same gains; tune it as usual.',
     };
