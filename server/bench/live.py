@@ -24,7 +24,7 @@ from slidetune.server.bench.served import (
 from slidetune.server.live.telemetry import HEADER
 
 LANE = "RBFNN-NFTSM"
-READY = "from process start until the server answers"
+READY = "process start until the server answers"
 LATENCY = "slider move to its first telemetry frame"
 FACTOR = "real-time factor, 3 lanes at 1 kHz, one client"
 SESSION_SHARE = "session thread, share of one core"
