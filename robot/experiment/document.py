@@ -51,7 +51,7 @@ class Experiment(Section):
     slidetune: Literal[1] = 1
     title: str = Field(default="", max_length=120, title="Title", description="Name on the screen.")
     description: str = Field(
-        default="", max_length=4000, title="Description", description="What to look at."
+        default="", max_length=4000, title="Description", description="What to look at and to try."
     )
     robot: Robot = Robot()
     lanes: dict[LaneName, Lane] = Field(
