@@ -30,10 +30,10 @@ _LANE_NAME = re.compile(r"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{1,40}")
 def _lane_name(name: str) -> str:
     if name == "__proto__":
         # In a browser no object can hold it: an edit of this lane could not be undone.
-        raise ValueError("__proto__ is no name for a lane: JavaScript keeps it for itself")
+        raise ValueError("__proto__ is not allowed as a lane's name: it is reserved in JavaScript")
     if not _LANE_NAME.fullmatch(name) or name != name.strip():
         raise ValueError(
-            "a lane's name has 1 to 40 characters, without / \\ < > and blanks at its ends"
+            "a lane's name has 1 to 40 characters, without / \\ < > and without blanks at its ends"
         )
     return name
 

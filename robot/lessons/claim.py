@@ -67,10 +67,12 @@ class Claim(Section):
     def _one_bound(self) -> Claim:
         given = [name for name in BOUNDS if getattr(self, name) is not None]
         if len(given) != 1:
-            text = f"needs exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
+            text = f"must have exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
             raise refusal("name", self.name, text)
         if (self.metric == "error_at") != (self.at is not None):
-            raise refusal("at", self.at, "error_at needs an instant in [s], and nothing else does")
+            raise refusal(
+                "at", self.at, "error_at needs a time at [s], and no other metric takes one"
+            )
         return self
 
     @property
@@ -232,7 +234,7 @@ METRICS: dict[Metric, LessonMetric] = {
         "N·m", lambda look: look.of_joint(look.figures.peak_torque), "greatest |τ|"
     ),
     "chattering": LessonMetric("N·m/s", lambda look: look.figures.chattering, "chattering"),
-    "sign_changes": LessonMetric("%", _sign_changes, "side changes of S"),
+    "sign_changes": LessonMetric("%", _sign_changes, "sign changes of S"),
     "high_frequency_torque": LessonMetric("N·m", _high_frequency_torque, "torque above 50 Hz"),
     "flange_rms": LessonMetric("mm", lambda look: 1e3 * look.figures.flange_rms, "flange RMS"),
     "flange_max": LessonMetric(

@@ -130,7 +130,7 @@ def _pace(
         )
     ]
     if thread is None or thread not in after:
-        note = "only Linux tells the processor time of a thread"
+        note = "only Linux reports the processor time of a thread"
         return [*rows, Measurement(SESSION_SHARE, "", None, None, target=0.15, note=note)]
     taken = {key: (after[key] - before.get(key, 0.0)) / passed for key in after}
     share, whole = taken[thread], sum(taken.values())

@@ -240,7 +240,7 @@ def test_a_path_is_read_from_anywhere(user_folder: Path, tmp_path: Path) -> None
         with pytest.raises(UnknownPresetError):
             load_preset(missing)
     path.write_bytes(b"#" * 200_000)
-    with pytest.raises(PresetSyntaxError, match=r"Any name\.yaml: takes at most 64 KiB"):
+    with pytest.raises(PresetSyntaxError, match=r"Any name\.yaml: must be at most 64 KiB"):
         load_preset(path)
 
 
