@@ -36,11 +36,11 @@ run: $(INSTALLED)  ## Run the dashboard
 install: $(INSTALLED)  ## Set up .venv with everything that run, test and check need
 	@echo '.venv is ready: make run starts the dashboard.'
 
-test: $(INSTALLED)  ## Run all tests, those in a real Chromium too
+test: $(INSTALLED)  ## Run all tests, including those in a real Chromium
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
 	$(VENV_PYTHON) -m pytest $(PARALLEL) $(ARGS)
 
-coverage: $(INSTALLED)  ## Run the tests, tell which lines and branches none reaches
+coverage: $(INSTALLED)  ## Run the tests and list the lines and branches not reached
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
 	$(VENV_PYTHON) -m pytest $(PARALLEL) --cov --cov-report=term-missing:skip-covered $(ARGS)
 
@@ -49,7 +49,7 @@ check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
 	$(VENV_PYTHON) -m ruff format --check .
 	$(VENV_PYTHON) -m mypy
 
-format: $(INSTALLED)  ## Lay the code out and sort its imports
+format: $(INSTALLED)  ## Format the code and sort its imports
 	$(VENV_PYTHON) -m ruff check --select I --fix .
 	$(VENV_PYTHON) -m ruff format .
 
@@ -59,16 +59,16 @@ bench: $(INSTALLED)  ## Measure the time of a control step
 soak: $(INSTALLED)  ## Serve many clients, then run for half an hour: ARGS="--minutes 2"
 	$(VENV_PYTHON) -m tests.trust.soak $(ARGS)
 
-faults: $(INSTALLED)  ## Kill, suspend, fill and break things, and see that nothing is lost
+faults: $(INSTALLED)  ## Kill and suspend processes, fill the disk, check that nothing is lost
 	$(VENV_PYTHON) -m tests.trust.faults $(ARGS)
 
-fuzz: $(INSTALLED)  ## Feed it more than 100,000 wrong inputs
+fuzz: $(INSTALLED)  ## Send it more than 100,000 malformed inputs
 	$(VENV_PYTHON) -m tests.trust.fuzz $(ARGS)
 
 peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in build/)
 	$(VENV_PYTHON) -m tests.peers.compare $(ARGS)
 
-lock:  ## Write requirements.lock anew with today's versions
+lock:  ## Regenerate requirements.lock with the current versions
 	$(or $(PYTHON),python3) -m venv --clear $(LOCK_VENV)
 	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check uv
 	printf '%s\n' $(BUILDS_EDITABLE) | $(LOCK_VENV)/bin/uv pip compile --quiet --universal \

@@ -35,7 +35,7 @@ from slidetune.server.state.hub import Hub
 
 _DESCRIPTION = """
 The live session of a JAKA Zu 5 under sliding-mode control: one document (the experiment), changed
-by JSON Merge Patches; commands to the session; presets. Live data come over the WebSocket at
+by JSON Merge Patches; commands to the session; presets. Live data arrive over the WebSocket at
 `/api/live`, which [a page of its own](/docs/live) describes.
 """
 

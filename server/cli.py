@@ -26,13 +26,16 @@ cli = typer.Typer(
 console = Console(stderr=True, highlight=False)
 
 HostOption = Annotated[
-    str, typer.Option(help="Address to bind; 0.0.0.0 for all. Any but loopback asks for a token.")
+    str,
+    typer.Option(help="Address to bind to; 0.0.0.0 for all. Any but loopback requires a token."),
 ]
 TokenOption = Annotated[
     bool,
-    typer.Option("--token", help="Ask for a token on loopback too, as behind a proxy with TLS."),
+    typer.Option("--token", help="Require a token on loopback too, such as behind a TLS proxy."),
 ]
-Port = Annotated[int, typer.Option(min=0, max=65535, help="The next free one if it is taken.")]
+Port = Annotated[
+    int, typer.Option(min=0, max=65535, help="Port; the next free one if it is taken.")
+]
 PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
 PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML file.")]
 JsonOption = Annotated[
@@ -89,7 +92,7 @@ def serve(
 def run(
     preset: PresetArgument,
     since: Annotated[
-        float, typer.Option(min=0.0, metavar="SECONDS", help="Leave out what was before.")
+        float, typer.Option(min=0.0, metavar="SECONDS", help="Ignore everything before this time.")
     ] = 0.0,
     json: JsonOption = "",
     csv: CsvOption = "",
@@ -144,8 +147,10 @@ def paper(html: PageOption = "") -> None:
 
 @cli.command()
 def bench(
-    quick: Annotated[bool, typer.Option("--quick", help="Seconds, not a minute; noisy.")] = False,
-    live: Annotated[bool, typer.Option(help="Measure a running server too.")] = True,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Takes seconds, not a minute; noisy.")
+    ] = False,
+    live: Annotated[bool, typer.Option(help="Measure a running server as well.")] = True,
     json: JsonOption = "",
 ) -> None:
     """Measure the control step, whole runs and the live session on this machine."""

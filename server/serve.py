@@ -82,9 +82,9 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         address, *others = self._policy.addresses("owner")
-        _say(f"Slidetune is at {address}   (Ctrl+C ends it)")
+        _say(f"Slidetune is at {address}   (Ctrl+C to stop)")
         for other in others:
-            _say(f"  or, where this machine's name is known, at {other}")
+            _say(f"  or, if other machines know this one by name, at {other}")
         for watched in self._policy.addresses("viewer"):
             _say(f"To watch only: {watched}")
         if self._browser:

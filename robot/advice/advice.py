@@ -71,19 +71,19 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
         wide = f"{_span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
         steep = lane.reaching != "power" and np.all(np.divide(lane.k2, lane.epsilon) > lane.k1)
-        whose = "Most of it is k₂/ε: it" if steep else "It"
-        text = f"{rule}{whose} would take ε = {wide}{instead}."
+        whose = "k₂/ε dominates. Stable" if steep else "Stable"
+        text = f"{rule}{whose} with ε = {wide}{instead}."
         path = field_path(("lanes", name, "epsilon"))
         yield Advice("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
         return
-    ways = [] if rate is None else [f"{rate:g} Hz"]
+    ways = [] if rate is None else [f"a control rate of {rate:g} Hz"]
     ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
     ways += ["a shorter delay"] if simulation.input_delay else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Advice(
         "warning",
         "simulation.control_rate",
-        f"{rule}It would take {' or '.join(ways)}.",
+        f"{rule}Stable with {' or '.join(ways)}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
 
@@ -103,23 +103,23 @@ def _other_gains(margin: Margin, learns: bool) -> list[str]:
         if factor > 1.0:
             return [f"reaching gains {_short(1.01 * factor)} times higher"]
         return [f"reaching gains {_short(1.01 / factor)} times lower"]
-    return ["lower gains of the surface"] + (["slower learning"] if learns else [])
+    return ["lower surface gains"] + (["a lower learning rate"] if learns else [])
 
 
 def _rule(margin: Margin, late: bool) -> str:
     """Say in words why a loop is not stable."""
     delay = " with this delay" if late else ""
     if margin.radius is None:
-        return "Apart from sign(S), this loop grows by itself at this rate" + delay
-    rule = f"From one sample to the next deviations grow by up to ρ = {margin.radius:.5g}"
+        return "Even without sign(S), this loop is unstable at this rate" + delay
+    rule = f"Deviations grow by up to a factor ρ = {margin.radius:.5g} per sample"
     if margin.gamma is None or margin.limit is None:
         return rule
     gamma = _short(margin.gamma)
     if margin.limit == 0.0:
         return f"{rule}, whatever the reaching gains (γ = {gamma})"
     if margin.limit > margin.gamma:
-        return f"{rule}, the reaching gains being too weak (γ = {gamma}{delay})"
-    return f"{rule} (γ = {gamma}, this loop's border{delay} is {_short(margin.limit)})"
+        return f"{rule}: the reaching gains are too low (γ = {gamma}{delay})"
+    return f"{rule} (γ = {gamma}, the limit of this loop{delay} is {_short(margin.limit)})"
 
 
 def _short(value: float) -> str:
@@ -151,8 +151,8 @@ def _sign(packed: Packed, name: str) -> Iterator[Advice]:
         "info",
         field_path(("lanes", name, "switching")),
         f"sign(S) makes the torque jump by 2k₂ = {_short(2.0 * np.max(lane.k2))} N·m up to "
-        f"{simulation.control_rate:g} times a second: it chatters. tanh with ε = {width} rad/s is "
-        "smooth at this rate.",
+        f"{simulation.control_rate:g} times per second: it chatters. tanh with ε = {width} rad/s "
+        "is smooth at this rate.",
         {"lanes": {name: change}},
     )
 
@@ -186,7 +186,7 @@ def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "info",
         field_path(("lanes", name, field)),
-        (f"{slow}: it hardly converges." if constant < 1e6 else "Nothing pulls the error to zero.")
+        (f"{slow}: it hardly converges." if constant < 1e6 else "Nothing drives the error to zero.")
         + f" Try {symbol} = {value:g} {unit}.",
         {"lanes": {name: {field: value}}},
     )
@@ -211,9 +211,9 @@ def _motion(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "warning",
         "robot.torque_limit",
-        f"The motion itself takes up to {_short(need[joint])} N·m of joint {joint + 1}, which has "
-        f"{_short(limit[joint])} N·m: no gains can follow it. Raise the limit, or make the motion "
-        "slower or smaller.",
+        f"The motion alone requires up to {_short(need[joint])} N·m at joint {joint + 1}, whose "
+        f"limit is {_short(limit[joint])} N·m: no gains can track it. Raise the limit, or make the "
+        "motion slower or smaller.",
         higher if max(enough) <= 5000.0 else None,
     )
 
@@ -231,8 +231,8 @@ def _start(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "info",
         "robot.torque_limit",
-        f"At the start joint {joint + 1} asks for {_short(torque[joint])} N·m of the "
-        f"{_short(limit[joint])} N·m it has: the loop begins in saturation. Start with the desired "
+        f"At the start joint {joint + 1} needs {_short(torque[joint])} N·m, but its limit is "
+        f"{_short(limit[joint])} N·m: the loop starts in torque saturation. Start with the desired "
         "velocity and no error, or lower the gains.",
         _calmer_start(packed, name, able),
     )
@@ -259,8 +259,8 @@ def _blindness(packed: Packed, name: str) -> Iterator[Advice]:
         yield Advice(
             "info",
             field_path(("lanes", name, "width")),
-            "The Gaussians are narrower than the gaps between their centres "
-            f"({_short(spacing)} rad): between two of them the network is blind.",
+            f"The Gaussians are narrower than the gaps between their centres ({_short(spacing)} "
+            "rad): between two of them the network does not respond.",
             {"lanes": {name: {"width": float(f"{spacing:.2g}")}}},
         )
 
@@ -280,21 +280,21 @@ def _windup(packed: Packed, name: str) -> Iterator[Advice]:
     joint = int(np.argmax(growth))
     leakage = float(f"{np.max(growth / limit) * 1.05:.2g}")
     where = (
-        f"At the start joint {joint + 1} is at its limit with S = {_short(sliding[joint])} rad/s, "
-        "and until it comes off"
+        f"At the start joint {joint + 1} saturates with S = {_short(sliding[joint])} rad/s, and "
+        "until it leaves saturation"
         if begins[joint]
-        else f"Joint {joint + 1} lacks torque, and where that leaves S = {sliding[joint]:g} rad/s"
+        else f"Joint {joint + 1} lacks torque, and while that leaves S = {sliding[joint]:g} rad/s"
     )
     _, most = bounds(NetworkGains, "leakage")
     way_out = (
         f"A leakage of {leakage:g} 1/s keeps it below the limit."
         if leakage <= most
-        else "Slower learning or a start with less error limits it."
+        else "A lower learning rate or a smaller initial error limits it."
     )
     yield Advice(
         "info",
         field_path(("lanes", name, "leakage")),
-        f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m a second. "
+        f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m per second. "
         f"{way_out}",
         {"lanes": {name: {"leakage": leakage}}} if leakage <= most else None,
     )
@@ -315,8 +315,9 @@ def _fast_disturbance(packed: Packed, name: str) -> Iterator[Advice]:
         yield Advice(
             "info",
             path,
-            f"{_short(frequency)} Hz leaves a swing less than {_STEPS_A_SWING} steps of "
-            f"{_short(1e3 * step)} ms: the arm gets its impulse, but not its course within a step.",
+            f"At {_short(frequency)} Hz a cycle has fewer than {_STEPS_A_SWING} steps of "
+            f"{_short(1e3 * step)} ms: the impulse of each step is right, but not the waveform "
+            "within it.",
             _finer_steps(packed.experiment, frequency),
         )
 
@@ -340,8 +341,8 @@ def _unused(packed: Packed, name: str) -> Iterator[Advice]:
     noise, delay = experiment.disturbance.sensor_noise, experiment.simulation.input_delay
     settings = (
         ("simulation.input_delay", delay, f"An input delay of {_short(1e3 * delay)} ms"),
-        ("disturbance.sensor_noise.position", noise.position, "Noise of the measured angles"),
-        ("disturbance.sensor_noise.velocity", noise.velocity, "Noise of the measured velocities"),
+        ("disturbance.sensor_noise.position", noise.position, "Noise on the measured angles"),
+        ("disturbance.sensor_noise.velocity", noise.velocity, "Noise on the measured velocities"),
     )
     used = experiment.simulation.mode == "sampled" or not any(value for _, value, _ in settings)
     if used:
@@ -349,7 +350,9 @@ def _unused(packed: Packed, name: str) -> Iterator[Advice]:
     change = _sampled(experiment)
     for path, value, what in settings:
         if value:
-            text = f"{what} acts in sampled mode only: this loop is continuous and has none of it."
+            text = (
+                f"{what} acts in sampled mode only: this loop is continuous, so it has no effect."
+            )
             yield Advice("info", path, text, change)
 
 

@@ -144,6 +144,6 @@ def _message(experiment: Experiment, wild: tuple[str, ...], simulation: dict[str
         at = f", at {rate:g} Hz with a delay of {delay:g} ms"
     return (
         f"Sampled at {experiment.simulation.control_rate:g} Hz, {which} {verb} unstable on this "
-        f"arm. The arm of the preset {PRESET}, with its own links, rotor inertia, friction and "
-        f"torque limits, works with that preset's gains{at}."
+        f"arm. The arm of the preset {PRESET}, with its own link inertias, rotor inertia, friction "
+        f"and torque limits, is stable with that preset's gains{at}."
     )

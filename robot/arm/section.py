@@ -8,7 +8,7 @@ from slidetune.robot.fields.quantity import Number, PerJoint, PerJointOrOff, Poi
 
 
 class Payload(Section):
-    """What the flange carries."""
+    """Payload at the flange."""
 
     mass: Number = field(
         0.0,
@@ -27,12 +27,12 @@ class Payload(Section):
         low=-0.3,
         high=0.3,
         step=0.005,
-        meaning="Where the mass sits, in the flange's frame (z points out of it).",
+        meaning="Position of the centre of mass in the flange frame (z points out of the flange).",
     )
     known: bool = field(
         False,
         title="Known to the controller",
-        meaning="Whether the model of a model-based law includes the payload.",
+        meaning="Whether the nominal model includes the payload.",
     )
 
 
@@ -46,8 +46,8 @@ class Robot(Section):
         "vendor",
         title="Inertials",
         source="vendor",
-        meaning="vendor: the manufacturer's description, solid steel, 96.4 kg, behind the paper's "
-        "figures; datasheet: scaled to the arm's real 23 kg.",
+        meaning="vendor: the manufacturer's robot description, solid steel, 96.4 kg, on which the "
+        "paper's results are based; datasheet: scaled to the arm's real mass, 23 kg.",
     )
     inertia_scale: Number = field(
         1.0,
@@ -55,7 +55,7 @@ class Robot(Section):
         low=0.1,
         high=3.0,
         step=0.01,
-        meaning="Multiplies every mass and inertia of the true arm and of the nominal one.",
+        meaning="Multiplies every mass and inertia of the arm and of its nominal model.",
     )
     armature: PerJoint = field(
         0.0,
@@ -65,7 +65,7 @@ class Robot(Section):
         low=0.0,
         high=5.0,
         step=0.01,
-        meaning="Inertia of the motors seen through the gears; the paper has none.",
+        meaning="Inertia of the motors reflected through the gears; the paper has none.",
     )
     viscous_friction: PerJoint = field(
         0.0,
@@ -75,7 +75,7 @@ class Robot(Section):
         low=0.0,
         high=50.0,
         step=0.1,
-        meaning="Torque lost per unit of velocity; no controller knows of it.",
+        meaning="Friction torque per unit of velocity; not in the nominal model.",
     )
     coulomb_friction: PerJoint = field(
         0.0,
@@ -85,7 +85,7 @@ class Robot(Section):
         low=0.0,
         high=50.0,
         step=0.1,
-        meaning="Torque lost to any motion, smoothed by tanh(v/0.02); no controller knows of it.",
+        meaning="Dry friction torque, smoothed by tanh(v/0.02); not in the nominal model.",
     )
     torque_limit: PerJointOrOff = field(
         None,
@@ -96,6 +96,6 @@ class Robot(Section):
         high=5000.0,
         step=1.0,
         scale="log",
-        meaning="Greatest torque of a joint; off as in the paper.",
+        meaning="Torque at which the joint saturates; off as in the paper.",
     )
     payload: Payload = Payload()

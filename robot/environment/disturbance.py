@@ -6,7 +6,7 @@ from slidetune.robot.fields.quantity import Integer, Number, PerJoint, Section, 
 
 
 class SineTorque(Section):
-    """A torque that swings."""
+    """A sinusoidal torque."""
 
     amplitude: PerJoint = field(
         0.0,
@@ -16,7 +16,7 @@ class SineTorque(Section):
         low=-200.0,
         high=200.0,
         step=0.5,
-        meaning="Greatest torque of the swing.",
+        meaning="Amplitude of the sinusoidal torque.",
     )
     frequency: Number = field(
         1.0,
@@ -27,7 +27,7 @@ class SineTorque(Section):
         high=100.0,
         step=0.01,
         scale="log",
-        meaning="Swings a second.",
+        meaning="Cycles per second.",
     )
     phase: Number = field(
         0.0,
@@ -36,12 +36,12 @@ class SineTorque(Section):
         low=-3.1416,
         high=3.1416,
         step=0.01,
-        meaning="Where the swing begins.",
+        meaning="Phase at t = 0.",
     )
 
 
 class PulseTorque(Section):
-    """A torque that comes and goes."""
+    """A rectangular torque pulse."""
 
     amplitude: PerJoint = field(
         0.0,
@@ -51,10 +51,16 @@ class PulseTorque(Section):
         low=-200.0,
         high=200.0,
         step=0.5,
-        meaning="Torque while the pulse lasts.",
+        meaning="Torque during the pulse.",
     )
     start: Number = field(
-        3.0, title="Start", unit="s", low=0.0, high=60.0, step=0.1, meaning="When it first comes."
+        3.0,
+        title="Start",
+        unit="s",
+        low=0.0,
+        high=60.0,
+        step=0.1,
+        meaning="Start of the first pulse.",
     )
     duration: Number = field(
         0.5,
@@ -64,7 +70,7 @@ class PulseTorque(Section):
         high=60.0,
         step=0.01,
         scale="log",
-        meaning="How long it lasts.",
+        meaning="Length of a pulse.",
     )
     period: Number = field(
         0.0,
@@ -78,17 +84,17 @@ class PulseTorque(Section):
 
 
 class NoiseTorque(Section):
-    """A random torque within a band of frequencies."""
+    """A random torque of limited bandwidth."""
 
     amplitude: PerJoint = field(
         0.0,
-        title="Effective value",
+        title="Root mean square",
         symbol="F_noise",
         unit="N·m",
         low=0.0,
         high=100.0,
         step=0.1,
-        meaning="Root mean square of the torque.",
+        meaning="RMS value of the noise torque.",
     )
     bandwidth: Number = field(
         10.0,
@@ -98,12 +104,12 @@ class NoiseTorque(Section):
         high=200.0,
         step=0.1,
         scale="log",
-        meaning="Highest frequency that it holds.",
+        meaning="Highest frequency in the noise.",
     )
 
 
 class SensorNoise(Section):
-    """White noise on what the controller measures, in sampled mode."""
+    """White noise on the measured angles and velocities, in sampled mode."""
 
     position: Number = field(
         0.0,
@@ -128,7 +134,7 @@ class SensorNoise(Section):
 
 
 class Disturbance(Section):
-    """All that the controller is not told."""
+    """Everything that the controller does not know."""
 
     constant: PerJoint = field(
         0.0,
@@ -152,8 +158,8 @@ class Disturbance(Section):
         low=0.1,
         high=3.0,
         step=0.01,
-        meaning="Inertials of the nominal arm, with which a model-based law computes, over the "
-        "true ones.",
+        meaning="Masses and inertias of the nominal model, which model-based laws compute with, "
+        "relative to those of the arm.",
     )
     sensor_noise: SensorNoise = SensorNoise()
     seed: Integer = field(
@@ -162,5 +168,5 @@ class Disturbance(Section):
         low=0,
         high=2**31 - 1,
         step=1,
-        meaning="Same seed, same noise: runs can be repeated to the last bit.",
+        meaning="The same seed gives the same noise: a run can be repeated bit for bit.",
     )

@@ -32,11 +32,11 @@ _LANE_NAME = re.compile(rf"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{{1,{LONGEST_LANE_N
 def _lane_name(name: str) -> str:
     if name == "__proto__":
         # In a browser no object can hold it: an edit of this lane could not be undone.
-        raise ValueError("__proto__ is no name for a lane: JavaScript keeps it for itself")
+        raise ValueError("__proto__ is not allowed as a lane's name: it is reserved in JavaScript")
     if not _LANE_NAME.fullmatch(name) or name != name.strip():
         raise ValueError(
-            f"a lane's name has 1 to {LONGEST_LANE_NAME} characters, without / \\ < > and blanks "
-            "at its ends"
+            f"a lane's name has 1 to {LONGEST_LANE_NAME} characters, without / \\ < > and without "
+            "blanks at its ends"
         )
     return name
 
@@ -54,7 +54,7 @@ class Experiment(Section):
     slidetune: Literal[1] = 1
     title: str = Field(default="", max_length=120, title="Title", description="Name on the screen.")
     description: str = Field(
-        default="", max_length=4000, title="Description", description="What to look at."
+        default="", max_length=4000, title="Description", description="What to look at and to try."
     )
     robot: Robot = Robot()
     lanes: dict[LaneName, Lane] = Field(

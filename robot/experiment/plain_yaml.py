@@ -109,7 +109,10 @@ def _bounded(events: Iterator[Any]) -> Iterator[Any]:
     """Pass the parser's events on, as long as there aren't too many; it scans no further then."""
     for count, event in enumerate(events):
         if count >= MOST_VALUES:
-            text = f"holds more than {MOST_VALUES} keys, values and lists: no experiment needs them"
+            text = (
+                f"contains more than {MOST_VALUES} keys, values and lists: no experiment needs "
+                "so many"
+            )
             raise _refused(text, event.start_mark.line + 1)
         yield event
 
@@ -117,14 +120,14 @@ def _bounded(events: Iterator[Any]) -> Iterator[Any]:
 def _decoded(text: str | bytes) -> str:
     # Before encoding: a text of many megabytes shouldn't be copied just to be refused.
     if len(text) > LARGEST_TEXT:
-        raise _refused(f"takes at most {LARGEST_TEXT // 1024} KiB of text", None)
+        raise _refused(f"must be at most {LARGEST_TEXT // 1024} KiB of text", None)
     try:
         content = text.encode() if isinstance(text, str) else bytes(text)
         decoded = content.decode("utf-8-sig")
     except UnicodeError as error:
-        raise _refused("needs text in UTF-8", None) from error
+        raise _refused("must be text in UTF-8", None) from error
     if len(content) > LARGEST_TEXT:
-        raise _refused(f"takes at most {LARGEST_TEXT // 1024} KiB of text", None)
+        raise _refused(f"must be at most {LARGEST_TEXT // 1024} KiB of text", None)
     return decoded
 
 
@@ -135,20 +138,20 @@ def _described(error: Exception, content: str) -> tuple[int | None, str]:
         plain = _SOLE.sub(r"\1", problem.replace("\n", " "))
         return (None if mark is None else mark.line + 1), plain[:200]
     if isinstance(error, ReaderError):
-        return content.count("\n", 0, error.position) + 1, "holds a character that YAML forbids"
+        return content.count("\n", 0, error.position) + 1, "contains a character that YAML forbids"
     if escape := _NO_CHARACTER.search(content):
         line = content.count("\n", 0, escape.start()) + 1
-        return line, f"{escape.group()} stands for no character"
+        return line, f"{escape.group()} is not a character"
     return None, "the text is damaged"
 
 
 def _number(text: str, line: int, path: str) -> int | float:
     number: int | float
     if len(text) > LONGEST_NUMBER:
-        raise _refused(f"a number takes at most {LONGEST_NUMBER} characters", line, path)
+        raise _refused(f"a number has at most {LONGEST_NUMBER} characters", line, path)
     number = int(text) if _INTEGER.fullmatch(text) else float(text)
     if not isfinite(number):
-        raise _refused(f"needs a finite number, got {text}", line, path)
+        raise _refused(f"must be a finite number, got {text}", line, path)
     return number
 
 
@@ -164,7 +167,7 @@ def _resolved(event: ScalarEvent, path: str) -> Any:
     if _FLOAT.fullmatch(text):
         return _number(text, line, path)
     if _NOT_FINITE.fullmatch(text):
-        raise _refused(f"needs a finite number, got {text}", line, path)
+        raise _refused(f"must be a finite number, got {text}", line, path)
     if _AMBIGUOUS.fullmatch(text):
         way_out = "write true, false, null or a plain decimal number, or put it in quotes"
         raise _refused(f"{text[:LONGEST_NUMBER]} is ambiguous in YAML: {way_out}", line, path)
@@ -184,11 +187,11 @@ class _Builder:
         if isinstance(start, StreamEndEvent):
             raise _refused("is empty: an experiment is a mapping of keys to values", None)
         if isinstance(start, DocumentStartEvent) and (start.version or start.tags):
-            raise _refused("directives such as %YAML and %TAG are not taken", 1)
+            raise _refused("directives such as %YAML and %TAG are not allowed", 1)
         top = next(self._events)
         if not isinstance(top, MappingStartEvent):
             line = top.start_mark.line + 1
-            raise _refused("needs a mapping of keys to values at its top", line)
+            raise _refused("must be a mapping of keys to values at the top level", line)
         values = self._value(top, "", 1)
         self._expect_end()
         return PlainDocument(values, self._lines)
@@ -197,18 +200,18 @@ class _Builder:
         for event in self._events:
             if not isinstance(event, DocumentEndEvent | StreamEndEvent):
                 line = event.start_mark.line + 1
-                raise _refused("holds more than one document: keep one", line)
+                raise _refused("contains more than one document: keep one", line)
 
     def _value(self, event: NodeEvent, path: str, depth: int) -> Any:
         line = event.start_mark.line + 1
         if isinstance(event, AliasEvent) or event.anchor is not None:
-            raise _refused("anchors & and aliases * are not taken: repeat the value", line, path)
+            raise _refused("anchors & and aliases * are not allowed: repeat the value", line, path)
         if (tag := getattr(event, "tag", None)) is not None:
-            raise _refused(f"tags are not taken: leave out {str(tag)[:60]}", line, path)
+            raise _refused(f"tags are not allowed: remove {str(tag)[:60]}", line, path)
         if isinstance(event, ScalarEvent):
             return _resolved(event, path)
         if depth > DEEPEST:
-            raise _refused(f"nests deeper than {DEEPEST} levels", line)
+            raise _refused(f"is nested deeper than {DEEPEST} levels", line)
         if isinstance(event, SequenceStartEvent):
             return self._list(path, depth)
         return self._mapping(path, depth)
@@ -229,7 +232,7 @@ class _Builder:
             place = f"{path}.{field_path([key])}" if path else field_path([key])
             if key in values:
                 first = self._lines[place]
-                raise _refused(f"stands twice, first in line {first}: remove one", line, place)
+                raise _refused(f"appears twice, first in line {first}: remove one", line, place)
             self._lines[place] = line
             values[key] = self._value(next(self._events), place, depth + 1)
         return values
@@ -237,14 +240,14 @@ class _Builder:
     def _key(self, event: NodeEvent, path: str) -> str:
         line = event.start_mark.line + 1
         if not isinstance(event, ScalarEvent | AliasEvent):
-            raise _refused("a key needs to be text, not a list or a mapping", line, path)
+            raise _refused("a key must be text, not a list or a mapping", line, path)
         key = self._value(event, path, 1)
         if not isinstance(key, str) or not key:
             written = str(getattr(event, "value", ""))[:LONGEST_NUMBER]
             given = f"put {written} in quotes" if written else "it is empty"
-            raise _refused(f"a key needs to be text: {given}", line, path)
+            raise _refused(f"a key must be text: {given}", line, path)
         if key == "<<":
-            raise _refused("merge keys (<<) are not taken: write the values out", line, path)
+            raise _refused("merge keys (<<) are not allowed: write the values out", line, path)
         if len(key) > LONGEST_KEY:
-            raise _refused(f"a key takes at most {LONGEST_KEY} characters", line, path)
+            raise _refused(f"a key has at most {LONGEST_KEY} characters", line, path)
         return key

@@ -20,7 +20,7 @@ class Simulation(Section):
         title="Mode",
         source="published",
         meaning="continuous: the controller is part of the differential equation, as in the paper; "
-        "sampled: it runs at its own rate and holds its torque, as on a real arm.",
+        "sampled: it runs at its own rate with a zero-order hold, as on a real arm.",
     )
     step: Number = field(
         0.001,
@@ -32,14 +32,14 @@ class Simulation(Section):
         step=0.0001,
         scale="log",
         applies="continuous",
-        meaning="Step of the integration.",
+        meaning="Integration step.",
     )
     scheme: Literal["extrapolated", "plain"] = field(
         "extrapolated",
         title="Scheme",
         applies="continuous",
-        meaning="extrapolated: two half steps against a whole one, a hundred times as exact; "
-        "plain: one linearly implicit step, faster.",
+        meaning="extrapolated: two half steps and one full step, combined; a hundred times as "
+        "accurate; plain: one linearly implicit step, faster.",
     )
     control_rate: Number = field(
         1000.0,
@@ -50,7 +50,7 @@ class Simulation(Section):
         step=10.0,
         scale="log",
         applies="sampled",
-        meaning="How often the controller measures and sets a torque.",
+        meaning="Rate at which the controller samples and updates its torque.",
     )
     plant_substeps: Integer = field(
         10,
@@ -59,7 +59,7 @@ class Simulation(Section):
         high=200,
         step=1,
         applies="sampled",
-        meaning="Steps of the arm within one control period.",
+        meaning="Integration steps of the arm per control period.",
     )
     input_delay: Number = field(
         0.0,
@@ -69,7 +69,7 @@ class Simulation(Section):
         high=0.05,
         step=0.0001,
         applies="sampled",
-        meaning="Time from a measurement to its torque at the joint.",
+        meaning="Delay from a measurement to the resulting torque at the joint.",
     )
     horizon: Number = field(
         10.0,
@@ -79,7 +79,7 @@ class Simulation(Section):
         high=120.0,
         step=0.5,
         source="published",
-        meaning="Length of a whole run.",
+        meaning="Duration of a whole run.",
     )
     initial_velocity: Literal["desired", "rest"] = field(
         "desired",
@@ -95,7 +95,7 @@ class Simulation(Section):
         low=-1.0,
         high=1.0,
         step=0.01,
-        meaning="Desired minus actual angle at the start.",
+        meaning="Desired minus actual angle at t = 0.",
     )
 
     @property

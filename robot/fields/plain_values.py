@@ -51,9 +51,9 @@ def excess(document: Any) -> str:
         elif isinstance(value, list | tuple):
             waiting.extend(value)
     if keys > MOST_KEYS:
-        return f"holds more than {MOST_KEYS} keys: no experiment needs them"
+        return f"contains more than {MOST_KEYS} keys: no experiment needs so many"
     if values > MOST_VALUES:
-        return f"holds more than {MOST_VALUES} values: no experiment needs them"
+        return f"contains more than {MOST_VALUES} values: no experiment needs so many"
     return ""
 
 
@@ -84,7 +84,7 @@ def _plain(value: Any, place: _Place, depth: int) -> Any:
     if not isinstance(value, Mapping | list | tuple):
         return value
     if depth == DEEPEST:
-        raise UnfitError(place, f"nests deeper than {DEEPEST} levels")
+        raise UnfitError(place, f"is nested deeper than {DEEPEST} levels")
     if not isinstance(value, Mapping):
         return [_plain(item, (place, str(i)), depth + 1) for i, item in enumerate(value)]
     return PlainMapping(
@@ -97,7 +97,9 @@ def _checked_key(key: object, place: _Place) -> str:
     if not isinstance(key, str):
         return "?"  # its section refuses it by its own rules
     if len(key) > LONGEST_KEY:
-        raise UnfitError(place, f"holds a key of {len(key)} characters, at most {LONGEST_KEY}")
+        raise UnfitError(
+            place, f"contains a key of {len(key)} characters, at most {LONGEST_KEY} are allowed"
+        )
     if not key.isascii() and any("\ud800" <= letter <= "\udfff" for letter in key):
-        raise UnfitError(place, "holds a key with unpaired surrogates")
+        raise UnfitError(place, "contains a key with unpaired surrogates")
     return key

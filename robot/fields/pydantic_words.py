@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from pydantic_core import ErrorDetails
 
 TEXTS = {
-    "bool_parsing": "needs true or false",
-    "bool_type": "needs true or false",
-    "string_type": "needs a text",
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "string_type": "must be text",
     "string_unicode": "must not contain unpaired surrogates",
-    "string_too_long": "takes at most {max_length} characters",
-    "string_too_short": "takes at least {min_length} characters",
-    "too_short": "needs at least {min_length}",
-    "too_long": "takes at most {max_length}",
-    "literal_error": "needs one of {expected}",
-    "finite_number": "needs a finite number",
+    "string_too_long": "must have at most {max_length} characters",
+    "string_too_short": "must have at least {min_length} characters",
+    "too_short": "must have at least {min_length}",
+    "too_long": "must have at most {max_length}",
+    "literal_error": "must be one of {expected}",
+    "finite_number": "must be a finite number",
 }
 
 

@@ -84,7 +84,7 @@ def _per_joint(value: object) -> float | tuple[float, ...]:
         return number
     vector = _vector(value, JOINTS)
     if vector is None:
-        raise ValueError(f"needs one number for all joints or a list of {JOINTS} numbers")
+        raise ValueError(f"must be one number for all joints or a list of {JOINTS} numbers")
     return vector
 
 
@@ -95,21 +95,21 @@ def _limit(value: object) -> float | tuple[float, ...] | None:
 def _joint_vector(value: object) -> tuple[float, ...]:
     vector = _vector(value, JOINTS)
     if vector is None:
-        raise ValueError(f"needs a list of {JOINTS} numbers")
+        raise ValueError(f"must be a list of {JOINTS} numbers")
     return vector
 
 
 def _point(value: object) -> tuple[float, ...]:
     vector = _vector(value, 3)
     if vector is None:
-        raise ValueError("needs a list of 3 numbers: x, y, z")
+        raise ValueError("must be a list of 3 numbers: x, y, z")
     return vector
 
 
 def _number(value: object) -> float:
     number = _real(value)
     if number is None:
-        raise ValueError("needs a number")
+        raise ValueError("must be a number")
     return number
 
 
@@ -117,7 +117,7 @@ def _integer(value: object) -> int:
     if isinstance(value, float) and value.is_integer():
         return int(value)
     if not isinstance(value, int) or isinstance(value, bool) or abs(value) > 2**53:
-        raise ValueError("needs a whole number")
+        raise ValueError("must be a whole number")
     return value
 
 

@@ -20,10 +20,10 @@ from slidetune.robot.fields.written_value import plain_value, written
 _KEY = "[key]"
 
 _TEXTS = {
-    "model_type": "needs a mapping",
-    "model_attributes_type": "needs a mapping",
-    "dict_type": "needs a mapping",
-    "invalid_key": "needs texts as keys",
+    "model_type": "must be a mapping",
+    "model_attributes_type": "must be a mapping",
+    "dict_type": "must be a mapping",
+    "invalid_key": "must have text as keys",
 }
 
 
@@ -95,7 +95,7 @@ def _wrong_tag(error: ErrorDetails, place: _Place) -> FieldError:
     key = str(error["ctx"]["discriminator"]).strip("'")
     given = error["input"].get(key) if isinstance(error["input"], Mapping) else None
     known = [str(tag) for tag in _tags(place.models)]
-    text = f"{key} needs one of {', '.join(known)}, got {written(given)}{_hint(given, known)}"
+    text = f"{key} must be one of {', '.join(known)}, got {written(given)}{_hint(given, known)}"
     return FieldError(_dotted([*place.path, key]), text, plain_value(given), ", ".join(known))
 
 

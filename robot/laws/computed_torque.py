@@ -44,7 +44,7 @@ class ComputedTorque(Section):
         step=1.0,
         scale="log",
         group="PD",
-        meaning="Damping per unit of inertia; 2√k_p damps critically.",
+        meaning="Damping per unit of inertia; 2√k_p is critical damping.",
     )
 
     def pack(self) -> Array:
@@ -97,7 +97,7 @@ def sample(t, number, row, table):  # type: ignore[no-untyped-def]
 LAW = Law(
     name="computed_torque",
     title="Computed torque PD",
-    summary="τ = M(a_d + k_d·de + k_p·e) + C·v + G with a model of the arm",
+    summary="τ = M(a_d + k_d·de + k_p·e) + C·v + G with a nominal model of the arm",
     lane=ComputedTorque,
     step=step,
     sample=sample,

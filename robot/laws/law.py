@@ -25,8 +25,8 @@ class PackedGains(Protocol):
 class Law:
     """One control law.
 
-    Every law writes out its ``step`` and ``sample``, a line each: numba keeps on disk what stands at
-    the top of a module, and nothing that a function returned.
+    Every law writes out its ``step`` and ``sample``, a line each: numba keeps on disk what stands
+    at the top of a module, and nothing that a function returned.
 
     Attributes:
         name: value of ``law`` in a lane.

@@ -40,11 +40,11 @@ class Nftsm(NftsmSurface, ReachingGains):
     law: Literal["nftsm"] = "nftsm"
     inertia_shaped: bool = field(
         False,
-        title="Shape by the inertia",
+        title="Inertia shaping",
         symbol="MΓ⁻¹",
         group="Reaching",
         meaning="Multiplies the reaching law by MΓ⁻¹, so that dS/dt = -k₁S - k₂sw(S) with "
-        "k₁ in 1/s and k₂ in rad/s², where the model is perfect and F = 0; not in the paper.",
+        "k₁ in 1/s and k₂ in rad/s², if the model is exact and F = 0; not in the paper.",
     )
 
     def pack(self) -> Array:

@@ -67,7 +67,7 @@ def sample(t, number, row, table):  # type: ignore[no-untyped-def]
 LAW = Law(
     name="smc",
     title="SMC",
-    summary="τ = τ_eq + k₁S + k₂sw(S) with S = λe + de and a model of the arm",
+    summary="τ = τ_eq + k₁S + k₂sw(S) with S = λe + de and a nominal model of the arm",
     lane=Smc,
     step=step,
     sample=sample,

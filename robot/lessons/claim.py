@@ -68,10 +68,12 @@ class Claim(Section):
     def _one_bound(self) -> Claim:
         given = [name for name in BOUNDS if getattr(self, name) is not None]
         if len(given) != 1:
-            text = f"needs exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
+            text = f"must have exactly one of {', '.join(BOUNDS)}, got {', '.join(given) or 'none'}"
             raise refusal("name", self.name, text)
         if (self.metric == "error_at") != (self.at is not None):
-            raise refusal("at", self.at, "error_at needs an instant in [s], and nothing else does")
+            raise refusal(
+                "at", self.at, "error_at needs a time at [s], and no other metric takes one"
+            )
         return self
 
     @property
@@ -244,7 +246,7 @@ METRICS: dict[Metric, LessonMetric] = {
     "reaching_time": _figure("reaching_time", _reaching_time),
     "peak_torque": _of_run("peak_torque"),
     "chattering": _of_run("chattering"),
-    "sign_changes": LessonMetric("%", _sign_changes, 100.0, "side changes of S"),
+    "sign_changes": LessonMetric("%", _sign_changes, 100.0, "sign changes of S"),
     "high_frequency_torque": _of_run("high_frequency_torque"),
     "flange_rms": _of_run("flange_rms"),
     "flange_max": _of_run("flange_max"),

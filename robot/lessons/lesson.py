@@ -94,9 +94,12 @@ class Lesson(Section):
     def _first_step_sets_the_scene(self) -> Lesson:
         first = self.steps[0]
         if not first.preset:
-            raise refusal("steps.0.preset", "", "the first step needs a preset to begin with")
+            raise refusal("steps.0.preset", "", "the first step needs a preset to start from")
         if first.question:
-            text = "the first step can't ask: there is nothing on the screen yet to predict from"
+            text = (
+                "the first step can't ask a question: there is nothing on the screen yet to "
+                "predict from"
+            )
             raise refusal("steps.0.question", first.question.text, text)
         return self
 
@@ -107,7 +110,7 @@ class Lesson(Section):
             for place, claim in enumerate(step.claims):
                 path = f"steps.{index}.claims.{place}"
                 if claim.name in known:
-                    text = f"name {claim.name} stands twice in the lesson"
+                    text = f"name {claim.name} appears twice in the lesson"
                     raise refusal(f"{path}.name", claim.name, text)
                 if claim.than and claim.than not in known:
                     text = f"than needs an earlier claim, got {claim.than}"

@@ -154,7 +154,7 @@ class LessonText:
                 return self._quoted(index, bool(match[1]), match[2])
             except KeyError as error:
                 known = ", ".join(self._claims)
-                message = f"{match[0]} names no claim and no value. Claims: {known}"
+                message = f"{match[0]} is neither a claim nor a value. Claims: {known}"
                 refused = FieldError(f"steps.{index}.{field}", message, match[0])
                 raise InvalidLessonError([refused]) from error
 

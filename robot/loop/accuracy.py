@@ -103,17 +103,17 @@ def judge(
     texts, patch = [], None
     if unconverged:
         texts.append(
-            f"The equation of {unconverged} {'step' if unconverged == 1 else 'steps'} was not "
-            f"solved to its tolerance: up to {left:.1g} rad/s are left."
+            f"{unconverged} {'step was' if unconverged == 1 else 'steps were'} not solved to "
+            f"tolerance: the residual is up to {left:.1g} rad/s."
         )
     simulation = experiment.simulation
     if capped > ROUGH * simulation.horizon / simulation.row_period:
         texts.append(
-            f"{capped} rows were not cut as far as their own error asked: the error may well be "
-            "greater than estimated."
+            f"{capped} rows were not subdivided as far as their local error requires: the error "
+            "may be larger than estimated."
         )
     if error is not None and error > GOOD:
-        texts.append(f"The angles are off by up to {error:.1g} rad (estimated).")
+        texts.append(f"The estimated error of the angles is up to {error:.1g} rad.")
         words, patch = _finer(experiment.simulation, error)
         texts.append(words)
     return Accuracy(
@@ -128,15 +128,18 @@ def _finer(simulation: Simulation, error: float) -> tuple[str, dict[str, Any] | 
         factor = ceil(SAFETY * error / GOOD)
         substeps = simulation.plant_substeps * factor
         if substeps > most:
-            return "No number of steps of the arm is known to do.", None
-        words = f"{substeps} steps of the arm a control period should do; its estimate will tell."
+            return "No allowed number of steps of the arm is known to suffice.", None
+        words = (
+            f"{substeps} steps of the arm per control period should suffice; check the new "
+            "estimate."
+        )
         return words, {"simulation": {"plant_substeps": substeps}}
     order = 2.0 if simulation.scheme == "extrapolated" else 1.0
     step = _rounded_down(simulation.step / (SAFETY * error / GOOD) ** (1.0 / order))
     least, _ = bounds(Simulation, "step")
     if step < max(least, simulation.horizon / MAX_STEPS):
-        return "No step that is allowed is known to do.", None
-    words = f"A step of {1e3 * step:g} ms should do; its estimate will tell."
+        return "No allowed step is known to suffice.", None
+    words = f"A step of {1e3 * step:g} ms should suffice; check the new estimate."
     return words, {"simulation": {"step": step}}
 
 

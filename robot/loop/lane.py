@@ -230,7 +230,7 @@ class Lane:
                 cause += _too_fast(simulation, margin)
                 self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
                 return
-        cause += " Change the gains or lower the disturbance, then reset."
+        cause += " Change the gains or reduce the disturbance, then reset."
         self.freeze = Freeze(time, joint, cause)
 
     def fail(self, packed: Packed, time: float, row: int, error: Exception) -> None:
@@ -264,16 +264,16 @@ def _replace_broken(values: Array, known: Array) -> None:
 
 def _too_fast(simulation: Simulation, margin: Margin) -> str:
     """Say in words what a sampled loop of that margin would take."""
-    late = " and its input delay" if simulation.input_delay else ""
+    late = " and this input delay" if simulation.input_delay else ""
     cause = f" The gains are too high for {simulation.control_rate:g} Hz{late}"
     if margin.radius is None:
-        return f"{cause}, sign(S) apart. Lower them or sample faster, then reset."
-    cause += f": from one sample to the next deviations grow by ρ = {margin.radius:.4g}"
+        return f"{cause}, even without sign(S). Lower them or raise the control rate, then reset."
+    cause += f": deviations grow by a factor ρ = {margin.radius:.4g} per sample"
     if margin.gamma is not None:
         known = margin.limit is not None and 0.0 < margin.limit < margin.gamma
-        border = f", this loop's border is {margin.limit:.3g}" if known else ""
+        border = f", the limit of this loop is {margin.limit:.3g}" if known else ""
         cause += f" (γ = {margin.gamma:.3g}{border})"
     return (
-        f"{cause}. Lower the gains of reaching (k₁, k₂/ε), of the surface or the learning rate, "
-        "add armature or sample faster, then reset."
+        f"{cause}. Lower the reaching gains (k₁, k₂/ε), the surface gains or the learning rate, "
+        "add rotor inertia or raise the control rate, then reset."
     )

@@ -75,8 +75,8 @@ def follow_circle(circle: CircleTrajectory) -> Array:
         turn[n] = _motion(model, data, frame, q, omega * radius * rate, omega**2 * radius * bend)
     if np.abs(turn[-1, 0] - turn[0, 0]).max() > _CLOSURE:
         raise UnreachableError(
-            f"radius {radius:g} m leads the flange round an axis of the arm, so that a joint winds "
-            "by 360° at every turn: choose a smaller radius, or another pose"
+            f"radius {radius:g} m takes the flange around an axis of the arm, so a joint winds up "
+            "by 360° per turn: choose a smaller radius, or another pose"
         )
     return turn
 
@@ -84,8 +84,8 @@ def follow_circle(circle: CircleTrajectory) -> Array:
 def _out_of_reach(angle: float, radius: float) -> UnreachableError:
     if angle == 0.0:
         return UnreachableError(
-            "the circle's pose is singular (stretched, or with two axes in line), so that the "
-            "flange can't leave it in every direction: bend joints 3 and 5",
+            "the circle's pose is singular (arm stretched, or two axes aligned), so the flange "
+            "cannot leave it in every direction: bend joints 3 and 5",
             field="pose",
         )
     return UnreachableError(

@@ -31,7 +31,7 @@ def _degrees(*angles: float) -> tuple[float, ...]:
 
 
 class SineTrajectory(Section):
-    """Every joint swings: the paper's simulation."""
+    """A sine on every joint: the paper's simulation."""
 
     kind: Literal["sine"] = "sine"
     amplitude: PerJoint = field(
@@ -43,7 +43,7 @@ class SineTrajectory(Section):
         high=3.0,
         step=0.01,
         source="published",
-        meaning="Half the swing of a joint.",
+        meaning="Amplitude of the joint's sine.",
     )
     angular_frequency: PerJoint = field(
         1.0,
@@ -54,7 +54,7 @@ class SineTrajectory(Section):
         high=20.0,
         step=0.05,
         source="published",
-        meaning="How fast it swings; 1 rad/s as published.",
+        meaning="Angular frequency of the sine; 1 rad/s as published.",
     )
     phase: PerJoint = field(
         0.0,
@@ -64,7 +64,7 @@ class SineTrajectory(Section):
         low=-3.1416,
         high=3.1416,
         step=0.01,
-        meaning="Where the swing begins.",
+        meaning="Phase at t = 0.",
     )
     offset: PerJoint = field(
         0.0,
@@ -74,12 +74,12 @@ class SineTrajectory(Section):
         low=-6.28,
         high=6.28,
         step=0.01,
-        meaning="Angle about which it swings.",
+        meaning="Mean angle of the sine.",
     )
 
 
 class QuinticTrajectory(Section):
-    """From one pose to another by a polynomial of degree five: the paper's experiment."""
+    """A fifth-degree polynomial from one pose to another: the paper's experiment."""
 
     kind: Literal["quintic"] = "quintic"
     start: JointVector = field(
@@ -91,7 +91,7 @@ class QuinticTrajectory(Section):
         high=6.2832,
         step=0.01,
         source="published",
-        meaning="Pose at the beginning.",
+        meaning="Pose at t = 0.",
     )
     end: JointVector = field(
         _degrees(90, 45, 30, 60, 36, 30),
@@ -102,7 +102,7 @@ class QuinticTrajectory(Section):
         high=6.2832,
         step=0.01,
         source="published",
-        meaning="Pose at the end, then held.",
+        meaning="Pose at the end of the move, held from then on.",
     )
     duration: Number = field(
         10.0,
@@ -113,12 +113,12 @@ class QuinticTrajectory(Section):
         high=60.0,
         step=0.1,
         source="inferred",
-        meaning="Time from start to end; the paper gives none.",
+        meaning="Time from start to end; not given in the paper.",
     )
 
 
 class HoldTrajectory(Section):
-    """One pose, held: the step response of an initial error, and the answer to a push."""
+    """A constant pose: response to an initial error or to a push."""
 
     kind: Literal["hold"] = "hold"
     position: JointVector = field(
@@ -134,7 +134,7 @@ class HoldTrajectory(Section):
 
 
 class CircleTrajectory(Section):
-    """The flange runs round a circle with its direction kept, by inverse kinematics."""
+    """A circle of the flange at constant orientation, by inverse kinematics."""
 
     kind: Literal["circle"] = "circle"
     pose: JointVector = field(
@@ -145,7 +145,7 @@ class CircleTrajectory(Section):
         low=-6.2832,
         high=6.2832,
         step=0.01,
-        meaning="Joint angles where the circle begins and ends; the default points the tool down.",
+        meaning="Joint angles at the start and end of the circle; by default the tool points down.",
     )
     radius: Number = field(
         0.1,
@@ -155,7 +155,7 @@ class CircleTrajectory(Section):
         low=0.005,
         high=0.5,
         step=0.005,
-        meaning="Radius of the circle; refused where the arm can't follow.",
+        meaning="Radius of the circle; refused if the arm cannot follow it.",
     )
     period: Number = field(
         4.0,
@@ -165,7 +165,7 @@ class CircleTrajectory(Section):
         low=0.5,
         high=60.0,
         step=0.1,
-        meaning="Time for one turn.",
+        meaning="Time for one revolution.",
     )
     plane: Literal["xy", "xz", "yz"] = field(
         "xy", title="Plane", meaning="Plane of the circle in the base frame."

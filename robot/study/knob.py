@@ -111,5 +111,5 @@ def knob(experiment: Experiment, lane: str, field: str) -> Knob:
         if candidate.field == field:
             return candidate
     known = ", ".join(candidate.field for candidate in found)
-    text = f"{lane} has no knob {field}; it has: {known}"
+    text = f"{lane} has no gain {field}; it has: {known}"
     raise InvalidExperimentError([FieldError("field", text, field)])

@@ -24,7 +24,7 @@ from slidetune.server.bench.served import (
 from slidetune.server.live.telemetry import HEADER
 
 LANE = "RBFNN-NFTSM"
-READY = "from process start until the server answers"
+READY = "process start until the server answers"
 LATENCY = "slider move to its first telemetry frame"
 FACTOR = "real-time factor, 3 lanes at 1 kHz, one client"
 SESSION_SHARE = "session thread, share of one core"
@@ -130,7 +130,7 @@ def _pace(
         )
     ]
     if thread is None or thread not in after:
-        note = "only Linux tells the processor time of a thread"
+        note = "only Linux reports the processor time of a thread"
         return [*rows, Measurement(SESSION_SHARE, "", None, None, target=0.15, note=note)]
     taken = {key: (after[key] - before.get(key, 0.0)) / passed for key in after}
     share, whole = taken[thread], sum(taken.values())

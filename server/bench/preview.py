@@ -10,9 +10,9 @@ import numpy as np
 from slidetune.server.bench.result import Measurement
 
 LANES = ("RBFNN-NFTSM", "RBFNN-SMC", "NFTSM")
-ONE = "responses a second while one lane's gain is dragged, 3 lanes × 10 s"
-ALL = "responses a second while a gain of every lane is dragged"
-FACTOR = "real-time factor during the drag, least"
+ONE = "responses per second while a gain of one lane is dragged, 3 lanes × 10 s"
+ALL = "responses per second while a gain of every lane is dragged"
+FACTOR = "lowest real-time factor during the drag"
 
 
 def _drag(client: httpx.Client, lanes: tuple[str, ...], seconds: float) -> tuple[float, float]:

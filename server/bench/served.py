@@ -97,7 +97,7 @@ def _read(process: subprocess.Popen[str], lines: queue.Queue[str | None], said: 
 
 def _port(lines: queue.Queue[str | None], begin: float) -> int:
     """Return the port that the server names once it answers."""
-    last = "it said nothing"
+    last = "it printed nothing"
     while True:
         try:
             line = lines.get(timeout=max(0.0, begin + PATIENCE - perf_counter()))

@@ -199,8 +199,8 @@ def step_cases(quick: bool) -> list[Case]:
     cases = [
         Case(FLOOR, "µs", once),
         Case(FLOOR_TWICE, "µs", twice),
-        Case("numba call without a body", "µs", empty),
-        Case("numba call of one first stage, RBFNN-NFTSM", "µs", stage),
+        Case("empty numba call", "µs", empty),
+        Case("numba call of the first stage, RBFNN-NFTSM", "µs", stage),
         Case(PLAIN_STEP, "µs", _law(LAW, "plain", horizon), 5.0, FLOOR, 2.0),
         Case(EXTRAPOLATED_STEP, "µs", _law(LAW, "extrapolated", horizon), 9.0, FLOOR_TWICE, 2.0),
     ]

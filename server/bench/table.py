@@ -110,7 +110,7 @@ def print_bench(results: Results, console: Console) -> None:
     versions = ", ".join(f"{name} {about[name]}" for name in ("python", "slidetune", *PACKAGES))
     console.print(Text(f"{about['system']}; {versions}"))
     if results["quick"]:
-        console.print(Text("A quick look: short runs, few repeats, no verdict.", style="yellow"))
+        console.print(Text("Quick run: short, few repeats, no verdict.", style="yellow"))
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in HEADINGS:
         numeric = heading in ("best", "median", "× floor")

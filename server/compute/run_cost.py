@@ -31,9 +31,9 @@ def refuse_if_costly(experiment: Experiment) -> None:
     lanes = len(experiment.lanes)
     text = (
         f"takes {steps:,} steps of the arm in each of {lanes} lanes, about "
-        f"{lanes * steps * _SECONDS:,.0f} s in all; beside the live session at most "
-        f"{MOST_ARM_STEPS:,} are run: lower plant_substeps or the control rate, shorten the "
-        "horizon, or run it by itself: python -m slidetune run"
+        f"{lanes * steps * _SECONDS:,.0f} s in total; beside the live session at most "
+        f"{MOST_ARM_STEPS:,} are allowed: lower plant_substeps or the control rate, shorten the "
+        "horizon, or run it separately: python -m slidetune run"
     )
     value = experiment.simulation.plant_substeps
     raise InvalidExperimentError([FieldError("simulation.plant_substeps", text, value)])

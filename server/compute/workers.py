@@ -131,7 +131,7 @@ class Workers:
             BusyError: if too many tasks wait already.
         """
         if not self._free:
-            raise BusyError(f"{SLOTS} tasks wait already: try again in a moment")
+            raise BusyError(f"{SLOTS} tasks are waiting already: try again in a moment")
         slot, ticket = self._free.pop(), next(self._tickets)
         self._flags[slot] = ticket
         task = partial(_perform, function, slot, ticket, args)
@@ -143,7 +143,7 @@ class Workers:
                     except BrokenProcessPool:
                         if self._begun[slot] == ticket or self._pool is None:
                             break  # it may be this very task that ends its process; or all is over
-                raise WorkerLostError("a worker process was lost: ask again")
+                raise WorkerLostError("a worker process was lost: repeat the request")
         finally:
             self._flags[slot] = 0
             self._free.add(slot)

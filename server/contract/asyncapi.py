@@ -29,42 +29,42 @@ from slidetune.server.live.telemetry import HEADER, HEADER_FIELDS, LAG
 from slidetune.server.state.hub import FRAME, OUTBOX, SOONEST
 
 CLIENT_MESSAGES: tuple[type[BaseModel], ...] = get_args(get_args(ClientMessage)[0])
-"""All that a client may say."""
+"""All messages that a client may send."""
 
 _DESCRIPTION = (
-    "Open a WebSocket, read `hello`, then send messages and read what comes: JSON texts with a "
-    "`type`, and binary frames of telemetry. A browser or script that misses a message needs no "
-    "history: `hello` and every `patch` hold the whole experiment. Ignore a `type` or a field that "
-    "you don't know: later versions may add some."
+    "Open a WebSocket, read `hello`, then send and receive messages: JSON text messages with a "
+    "`type`, and binary frames of telemetry. A client that misses a message needs no history: "
+    "`hello` and every `patch` contain the whole experiment. Ignore a `type` or a field that you "
+    "don't know: later versions may add some."
 )
 _ANSWERS = {"patch": ["patch"], "lane": ["patch", "hello"], "kick": []}
 """Types that tell that a message was acted on; ``state`` where nothing else is said."""
 _TYPES = {"I": "uint32", "d": "float64"}
 
 _PACE = (
-    ("clients", MAX_CLIENTS, "", "Clients at once; one more is closed with 1013."),
+    ("clients", MAX_CLIENTS, "", "Concurrent clients; one more is closed with 1013."),
     ("message", MAX_MESSAGE, "bytes", "Largest message; a larger one closes with 1009."),
-    ("characters", MAX_LIVE_MESSAGE, "", "Longest message that is read; `error`: `too_large`."),
-    ("keys", MOST_KEYS, "", "Most keys and values of a message; `error`: `too_large`."),
+    ("characters", MAX_LIVE_MESSAGE, "", "Longest text message; `error`: `too_large`."),
+    ("keys", MOST_KEYS, "", "Keys and values of a message; `error`: `too_large`."),
     ("rate", CLIENT_RATE, "1/s", "Messages from one client; `error`: `too_many_patches`."),
-    ("burst", CLIENT_BURST, "", "Messages from one client at once after a rest."),
-    ("control frames", CLIENT_RATE, "1/s", "Pings and pieces of messages; beyond: 1008."),
-    ("weight", SHORT, "", "Characters after which a message counts for one more."),
+    ("burst", CLIENT_BURST, "", "Burst of messages from one client."),
+    ("control frames", CLIENT_RATE, "1/s", "Pings and message fragments; beyond: 1008."),
+    ("weight", SHORT, "", "Characters after which a message counts as one more."),
     ("total rate", TOTAL_RATE, "1/s", "Patches and new lanes from all clients together."),
-    ("total burst", TOTAL_BURST, "", "Patches and new lanes from all of them after a rest."),
-    ("frames", 1.0 / FRAME, "1/s", "Frames to one client, more often only after an edit."),
-    ("most frames", 1.0 / SOONEST, "1/s", "Frames to one client at most."),
+    ("total burst", TOTAL_BURST, "", "Burst of patches and new lanes from all clients."),
+    ("frames", 1.0 / FRAME, "1/s", "Frames to one client; more often only after an edit."),
+    ("most frames", 1.0 / SOONEST, "1/s", "Most frames to one client."),
     ("lag", LAG, "rows", "A client further behind is skipped ahead: `dropped` says how far."),
-    ("outbox", OUTBOX, "", "Messages that wait for a slow client; then a fresh `hello`."),
+    ("outbox", OUTBOX, "", "Messages queued for a slow client; then a new `hello`."),
 )
 CLOSE_CODES = (
-    (1002, "What was sent is no WebSocket frame."),
+    (1002, "Not a valid WebSocket frame."),
     (1007, "A text message is not UTF-8."),
-    (1008, "Pings, pongs or pieces of messages came faster than messages may."),
+    (1008, "Pings, pongs or message fragments exceeded the rate limit."),
     (1009, "A message is larger than 256 KiB."),
     (1011, "The client did not answer a ping for 20 s."),
-    (1012, "The server ends or starts anew."),
-    (1013, "As many clients as may be are connected; try again later."),
+    (1012, "The server is stopping or restarting."),
+    (1013, "The maximum number of clients is connected; try again later."),
 )
 """How the server ends a connection; what it refuses beforehand is answered with HTTP 403."""
 
@@ -139,8 +139,8 @@ def _telemetry() -> dict[str, Any]:
         "name": "telemetry",
         "title": "telemetry, binary",
         "summary": "Rows of the columns that `hello` lists as `channels`.",
-        "description": "Little-endian: a header, then columns × rows numbers of float32, "
-        "column by column. A frame has one revision and one period, and time runs forward in it.",
+        "description": "Little-endian: a header, then columns × rows numbers of float32, column by "
+        "column. All rows of a frame have one revision and one period, in order of time.",
         "contentType": "application/octet-stream",
         "payload": {"type": "string", "format": "binary"},
         "x-layout": {
@@ -226,7 +226,7 @@ def _lasting() -> dict[str, Any]:
                 "bearer": {
                     "type": "http",
                     "scheme": "bearer",
-                    "description": "The token that the server printed, where it asks for one.",
+                    "description": "The token that the server printed, if it requires one.",
                 },
                 "query": {
                     "type": "httpApiKey",

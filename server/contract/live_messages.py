@@ -33,10 +33,11 @@ class ChannelInfo(BaseModel):
     name: str = Field(examples=["NFTSM/e1", "q_d1", "flange_d_x"])
     group: str = Field(
         description="Quantity: q_d, v_d and flange_d are desired and shared by all lanes; e, de "
-        "(errors), tau (torque), S (sliding variable), f (network), weights, flange belong to one."
+        "(errors), tau (torque), S (sliding variable), f (network), weights, flange belong to one "
+        "lane."
     )
-    joint: int | str = Field(description="Joint from 1, or the axis x, y or z of a place.")
-    lane: str = Field(description="The lane whose it is; empty for what all share.")
+    joint: int | str = Field(description="Joint, from 1, or axis x, y or z of a position.")
+    lane: str = Field(description="The lane that it belongs to; empty if shared by all.")
     unit: str = Field(examples=["rad", "N·m"])
 
 
@@ -44,15 +45,15 @@ class HelloMessage(BaseModel):
     """Everything that a client needs to begin.
 
     It comes first, and again whenever the columns of the frames change (another experiment, a lane
-    more or less) or the client was too slow for what it was told: what came before it is outdated.
+    more or less) or the client's queue was full: it replaces everything before it.
     """
 
     type: Literal["hello"]
     version: str = Field(description="Slidetune's.")
     client: str = Field(description="The client's own name: the `author` of its patches.")
-    role: Literal["owner", "viewer"] = Field(description="A viewer watches and changes nothing.")
-    revision: int = Field(description="Counts accepted changes of the experiment.")
-    experiment: Experiment = Field(description="The experiment in force.")
+    role: Literal["owner", "viewer"] = Field(description="A viewer may watch but change nothing.")
+    revision: int = Field(description="Number of accepted changes of the experiment.")
+    experiment: Experiment = Field(description="The current experiment.")
     baseline: Experiment = Field(description="The experiment as it was loaded or saved.")
     preset: str = Field(description="Name of the preset that it comes from, or empty.")
     lanes: list[LaneColor] = Field(description="In order.")
@@ -64,25 +65,27 @@ class HelloMessage(BaseModel):
 
 
 class PatchEcho(BaseModel):
-    """A change of the experiment was accepted; every client is told, its author too."""
+    """A change of the experiment was accepted; sent to every client, its author included."""
 
     type: Literal["patch"]
-    revision: int = Field(description="The revision that it made; its frames carry the same.")
+    revision: int = Field(
+        description="The revision after it; frames computed under it carry the same."
+    )
     author: str = Field(description="Name of the client that asked; empty for HTTP.")
-    id: RequestId | None = Field(description="What the author called its request.")
+    id: RequestId | None = Field(description="The author's `id` of the request.")
     patch: dict[str, Any] = Field(description="The JSON Merge Patch (RFC 7396).")
     experiment: Experiment = Field(description="The whole experiment after it.")
 
 
 class Since(BaseModel):
-    """Since when the total of a lane's figures counts."""
+    """The time from which the total of a lane's figures counts."""
 
     time: float = Field(description="Simulated time of the first row that counts [s].")
     reason: Literal["reset", "change", "added", "branch"] = Field(
-        description="`reset`: the session was reset, or its experiment loaded. `change`: then the "
-        "lane's closed loop changed last: its law or gains, the arm, the trajectory, the "
-        "disturbance or the simulation; another name is no change, nor are a kick and the horizon. "
-        "`added`: the lane is new or a copy. `branch`: the session went back to this moment."
+        description="`reset`: the session was reset, or its experiment loaded. `change`: the last "
+        "change of the lane's closed loop: its law or gains, the arm, the trajectory, the "
+        "disturbance or the simulation; a rename, a kick and the horizon do not count. `added`: "
+        "the lane is new or a copy. `branch`: the session went back to this moment."
     )
 
 
@@ -91,7 +94,7 @@ def _figure(name: str) -> Any:
 
 
 class Figures(BaseModel):
-    """How good a lane was over a span of time; what comes after a freeze is in none.
+    """Performance of a lane over a span of time; rows after a freeze are excluded.
 
     Means are over time: after a change of step or control rate, each row counts by its own period.
     How each is called and written stands in ``x-figures`` of ``GET /api/schema``.
@@ -107,11 +110,11 @@ class Figures(BaseModel):
 
 
 class SamplingMargin(BaseModel):
-    """What the control rate of a sampled controller leaves to spare."""
+    """Stability margin of a sampled loop at its control rate."""
 
-    stable: bool = Field(description="Whether a small deviation dies out.")
+    stable: bool = Field(description="Whether a small deviation decays.")
     radius: float | None = _figure("radius")
-    bounded: bool = Field(description="Whether what leaves the layer ends in a limit cycle.")
+    bounded: bool = Field(description="Whether a motion outside the layer stays in a limit cycle.")
     gamma: float | None = _figure("gamma")
     gamma_limit: float | None = _figure("gamma_limit")
 
@@ -119,11 +122,11 @@ class SamplingMargin(BaseModel):
 class Advice(BaseModel):
     """A remark on a lane's numbers."""
 
-    level: Literal["info", "warning"] = Field(description="Warning: expect trouble.")
+    level: Literal["info", "warning"] = Field(description="`warning` where a failure is expected.")
     path: str = Field(description="The field that it concerns.")
-    message: str = Field(description="The number, the rule and the way out.")
+    message: str = Field(description="The value, the rule and the remedy.")
     patch: dict[str, Any] | None = Field(description="A merge patch that sets a good value.")
-    title: str = Field(description="What to call that patch; empty where its values say it.")
+    title: str = Field(description="Title for that patch; empty if its values are clear enough.")
 
 
 class LaneMetrics(BaseModel):
@@ -134,34 +137,34 @@ class LaneMetrics(BaseModel):
     recent: Figures | None = Field(
         description="Over the last 10 s of simulated time, up to 0.1 s more, whatever changed."
     )
-    gamma: float | None = Field(description="As in `margin`; null where nothing is sampled.")
-    margin: SamplingMargin | None = Field(description="Null where nothing is sampled.")
-    notes: list[Advice] = Field(description="What is surprising or bodes trouble.")
+    gamma: float | None = Field(description="As in `margin`; null in continuous mode.")
+    margin: SamplingMargin | None = Field(description="Null in continuous mode.")
+    notes: list[Advice] = Field(description="Remarks on doubtful values.")
 
 
 class MetricsMessage(BaseModel):
-    """The figures of every lane, about twice a second."""
+    """The figures of every lane, about twice per second."""
 
     type: Literal["metrics"]
     lanes: dict[str, LaneMetrics] = Field(description="By name.")
 
 
 class StateMessage(SessionState):
-    """Where the live session stands, five times a second and at every change."""
+    """State of the live session, five times per second and at every change."""
 
 
 class NoticeMessage(BaseModel):
-    """A sentence for the people at the screens."""
+    """A message to be shown to all users."""
 
     type: Literal["notice"]
-    message: str = Field(description="The sentence.")
+    message: str = Field(description="The text.")
 
 
 class RefusalMessage(BaseModel):
-    """A message of this client was refused and changed nothing; no other client is told."""
+    """A message of this client was refused and changed nothing; sent to this client only."""
 
     type: Literal["error"]
-    id: RequestId | None = Field(description="What the client called its request.")
+    id: RequestId | None = Field(description="The client's `id` of the request.")
     error: ErrorDetail
 
 

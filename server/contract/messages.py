@@ -33,38 +33,40 @@ class RefusedField(BaseModel):
 
     path: str = Field(
         examples=["lanes.NFTSM.nu", 'lanes."nu 0.5".nu'],
-        description="Dotted keys; one that holds a dot or a quote stands in quotes, as in TOML.",
+        description="Dotted keys; a key with a dot or a quote in it is quoted, as in TOML.",
     )
     message: str = Field(
         examples=["nu must be in [0.01, 100] 1/s, got -3"], description="What is wrong with it."
     )
-    value: Any = Field(None, examples=[-3], description="What was sent.")
-    allowed: str = Field("", examples=["[0.01, 100] 1/s"], description="What may be sent.")
-    line: int | None = Field(None, description="Line of the YAML text, where there is one.")
+    value: Any = Field(None, examples=[-3], description="The value that was sent.")
+    allowed: str = Field(
+        "", examples=["[0.01, 100] 1/s"], description="The values that are allowed."
+    )
+    line: int | None = Field(None, description="Line of the YAML text, if any.")
 
 
 class ErrorDetail(BaseModel):
     """What went wrong."""
 
-    code: str = Field(examples=["invalid"], description="What a program can act on.")
-    message: str = Field(description="What is wrong and the way out, for people.")
-    fields: list[RefusedField] = Field([], description="The refused values, where there are any.")
+    code: str = Field(examples=["invalid"], description="Code for programs.")
+    message: str = Field(description="What is wrong and the remedy, in words.")
+    fields: list[RefusedField] = Field([], description="The refused values, if any.")
 
 
 class ErrorAnswer(BaseModel):
-    """The one shape of every error."""
+    """The common format of all errors."""
 
     error: ErrorDetail
 
 
 class Health(BaseModel):
-    """Whether the server is well."""
+    """Health of the server."""
 
     version: str
     uptime: float = Field(description="Seconds since the start.")
     state: Literal["running", "paused"]
-    role: Literal["owner", "viewer"] = Field(description="A viewer watches and changes nothing.")
-    limits: dict[str, int] = Field(description="By name: sizes in bytes, rates a second.")
+    role: Literal["owner", "viewer"] = Field(description="A viewer may watch but change nothing.")
+    limits: dict[str, int] = Field(description="By name: sizes in bytes, rates per second.")
 
 
 class LawInfo(BaseModel):
@@ -73,8 +75,8 @@ class LawInfo(BaseModel):
     name: str = Field(examples=["rbfnn_nftsm"])
     title: str
     summary: str
-    model_based: bool = Field(description="Whether it computes with a model of the arm.")
-    network: bool = Field(description="Whether a network is adapted in it.")
+    model_based: bool = Field(description="Whether it uses a model of the arm.")
+    network: bool = Field(description="Whether it adapts a network.")
 
 
 class LaneStatus(BaseModel):
@@ -84,55 +86,54 @@ class LaneStatus(BaseModel):
     time: float | None = Field(description="When it left its bounds [s].")
     joint: int | None = Field(description="The joint that left them, from 1.")
     cause: str | None = Field(description="What happened, in words.")
-    gamma: float | None = Field(description="Sampling margin where that is the reason.")
+    gamma: float | None = Field(description="Sampling margin, if that is the cause.")
     radius: float | None = Field(
-        description="Spectral radius of one control period where that is the reason."
+        description="Spectral radius of one control period, if that is the cause."
     )
     began: float = Field(
-        description="When it began from its initial state [s]: 0, or when it was reset by itself."
+        description="When it started from its initial state [s]: 0, or when it was reset on its "
+        "own."
     )
-    remark: str | None = Field(
-        description="That the live curves are approximate, where they are, in words."
-    )
+    remark: str | None = Field(description="A warning if the live curves are approximate.")
 
 
 class ViewState(BaseModel):
     """How the scene shows the arms."""
 
-    exaggeration: float = Field(description="By how much deviations from the desired are enlarged.")
+    exaggeration: float = Field(description="Factor by which deviations are enlarged.")
     ghosts: bool = Field(description="Whether the arms of the lanes not selected are drawn.")
 
 
 class ResultCounts(BaseModel):
-    """How many results of the live experiment were kept; another number says that there is news."""
+    """How many results of the live experiment were kept; a changed number means a new result."""
 
     response: int = Field(description="Whole responses: ``GET /api/results/response``.")
-    lens: int = Field(description="Looks through a lens: ``GET /api/results/lens``.")
+    lens: int = Field(description="Lens results: ``GET /api/results/lens``.")
 
 
 class SessionState(BaseModel):
-    """Where the live session stands."""
+    """State of the live session."""
 
     type: Literal["state"]
     time: float = Field(description="Simulated time [s].")
-    playing: bool = Field(description="Whether time goes on.")
-    speed: float = Field(description="Wanted simulated seconds a wall second.")
-    real_time_factor: float = Field(description="Simulated seconds a wall second, measured.")
+    playing: bool = Field(description="Whether time is running.")
+    speed: float = Field(description="Requested simulated seconds per wall-clock second.")
+    real_time_factor: float = Field(description="Measured simulated seconds per wall-clock second.")
     capped: bool = Field(description="Whether the machine is too slow for the speed.")
     revision: int = Field(description="Revision of the experiment that is being stepped.")
-    epoch: int = Field(description="Counts resets and loaded experiments.")
+    epoch: int = Field(description="Number of resets and loaded experiments.")
     waiting_steps: int = Field(
-        description="Steps that were asked for and will be made before what is asked for now; "
-        "play, pause, reset and another experiment drop them."
+        description="Requested steps that are still to be made, before any new request; play, "
+        "pause, reset and another experiment discard them."
     )
     horizon: float = Field(description="Length of a whole response [s].")
     selected: str = Field(description="The lane whose arm is solid in 3D.")
     view: ViewState
-    results: ResultCounts = Field(description="How many results watchers may read.")
+    results: ResultCounts = Field(description="Number of results that viewers may read.")
     lanes: dict[str, LaneStatus] = Field(description="By name.")
 
 
-_WAITING = "Steps that the live session makes before this takes force; 0: with the next step."
+_WAITING = "Steps that the live session makes before this takes effect; 0: at the next step."
 
 
 class Accepted(BaseModel):
@@ -185,9 +186,9 @@ class Reset(Strict):
 
     lane: str | None = Field(
         None,
-        description="`null`: everything, back to t = 0. Else this lane alone, while time goes on: "
-        "it begins anew where the trajectory is now, with the initial error and velocity that the "
-        "simulation has, empty weights and no torque on its way.",
+        description="`null`: everything, back to t = 0. Otherwise only this lane, while time "
+        "continues: it restarts at the current point of the trajectory, with the initial error and "
+        "velocity of the simulation, zero weights and no torque pending in the input delay.",
     )
 
 
@@ -215,44 +216,44 @@ def is_request_id(value: object) -> bool:
 
 
 class Request(Strict):
-    """What every message to the live session may bear."""
+    """What every message to the live session may contain."""
 
-    id: RequestId | None = Field(None, description="Your own name for it: the answer bears it.")
+    id: RequestId | None = Field(None, description="Your own id for it; the answer contains it.")
 
 
 class PatchMessage(Request):
-    """Change the experiment by a JSON Merge Patch (RFC 7396); state and time go on."""
+    """Change the experiment by a JSON Merge Patch (RFC 7396); state and time continue."""
 
     type: Literal["patch"]
     patch: dict[str, Any] = Field(examples=[{"lanes": {"NFTSM": {"nu": 30}}}])
 
 
 class PlainCommand(Request):
-    """A command without anything to say."""
+    """A command without parameters."""
 
     type: str
 
 
 class PlayMessage(PlainCommand):
-    """Let time go on; steps that wait are dropped."""
+    """Start time; queued steps are discarded."""
 
     type: Literal["play"]
 
 
 class PauseMessage(PlainCommand):
-    """Hold time; steps that wait are dropped."""
+    """Stop time; queued steps are discarded."""
 
     type: Literal["pause"]
 
 
 class ResetMessage(Reset, Request):
-    """Reset the session or one lane; steps that wait are dropped with the session's."""
+    """Reset the session or one lane; resetting the session discards queued steps."""
 
     type: Literal["reset"]
 
 
 class StepMessage(Steps, Request):
-    """Pause and make some steps; at most 4000 wait, more are left out."""
+    """Pause and make some steps; at most 4000 are queued, further ones are not."""
 
     type: Literal["step"]
 
@@ -277,7 +278,7 @@ class SelectMessage(Request):
 
 
 class ViewMessage(Request):
-    """Change how the scene shows the arms; what is left out stays as it is."""
+    """Change how the scene shows the arms; omitted settings stay as they are."""
 
     type: Literal["view"]
     exaggeration: float | None = Field(

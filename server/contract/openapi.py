@@ -12,14 +12,14 @@ from slidetune.server.contract.messages import ErrorAnswer
 YAML = "application/yaml"
 
 REFUSALS: dict[int | str, dict[str, Any]] = {
-    400: {"model": ErrorAnswer, "description": "The body can't be read at all."},
-    401: {"model": ErrorAnswer, "description": "This server asks for its token."},
+    400: {"model": ErrorAnswer, "description": "The body is not readable."},
+    401: {"model": ErrorAnswer, "description": "This server requires a token."},
     403: {
         "model": ErrorAnswer,
-        "description": "Another site asks, or somebody who may watch only.",
+        "description": "The request comes from another site, or from a viewer, who may only watch.",
     },
     413: {"model": ErrorAnswer, "description": "The body is too large."},
-    422: {"model": ErrorAnswer, "description": "Values that can't be taken; nothing was changed."},
+    422: {"model": ErrorAnswer, "description": "Invalid values; nothing was changed."},
 }
 """How every route may refuse; what else one may answer stands with it."""
 OR_YAML: dict[int | str, dict[str, Any]] = {

@@ -108,8 +108,8 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     path = request.url.path
     said = {
         "Not Found": f"there is nothing at {path}",
-        "There was an error parsing the body": "the body isn't JSON in UTF-8 that can be read",
-        "Method Not Allowed": f"{request.method} is not offered at {path}",
+        "There was an error parsing the body": "the body isn't readable JSON in UTF-8",
+        "Method Not Allowed": f"{request.method} is not allowed at {path}",
     }
     message = said.get(str(error.detail), str(error.detail))
     answer = JSONResponse(error_body(code, message), error.status_code, error.headers)
@@ -122,8 +122,8 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
     log.error("%s %s failed", request.method, request.url.path, exc_info=error)
     message = (
-        "The server made a mistake; its log says more. "
-        "What was asked for may be done in part: look before you ask again."
+        "Internal server error; the server's log has the details. The request may have been "
+        "carried out in part: check before you repeat it."
     )
     return JSONResponse(error_body("internal", message), 500)
 

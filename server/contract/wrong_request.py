@@ -20,12 +20,12 @@ _PLACES = ("body", "query", "path", "header", "cookie")
 _KINDS = ("int", "str", "float", "bool", "constrained-int", "constrained-str")
 _TEXTS = {
     "missing": "is missing",
-    "extra_forbidden": "is not known here",
+    "extra_forbidden": "is unknown here",
     "greater_than": "must be greater than {gt}",
     "greater_than_equal": "must be at least {ge}",
     "less_than": "must be less than {lt}",
     "less_than_equal": "must be at most {le}",
-    "union_tag_invalid": "needs one of {expected_tags}",
+    "union_tag_invalid": "must be one of {expected_tags}",
 }
 _WANTED = {
     "int": "a whole number",
@@ -90,9 +90,9 @@ def _field(details: list[ErrorDetails], path: str) -> dict[str, object]:
 def _text(detail: ErrorDetails) -> str:
     kind = detail["type"]
     if kind == "json_invalid":
-        return f"isn't JSON: something is wrong or missing at character {detail['loc'][-1]}"
+        return f"isn't valid JSON: something is wrong or missing at character {detail['loc'][-1]}"
     if kind == "union_tag_not_found":
-        return "needs to be there: it says which message this is"
+        return "is required: it says which message this is"
     if kind in TEXTS or kind in _TEXTS or kind == "value_error":
         return words(detail, _TEXTS)
     return _needed([detail])
@@ -100,4 +100,4 @@ def _text(detail: ErrorDetails) -> str:
 
 def _needed(details: list[ErrorDetails]) -> str:
     wanted = [_WANTED.get(detail["type"].partition("_")[0], "") for detail in details]
-    return f"needs {' or '.join(wanted)}" if all(wanted) else details[0]["msg"]
+    return f"must be {' or '.join(wanted)}" if all(wanted) else details[0]["msg"]

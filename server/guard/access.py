@@ -36,8 +36,8 @@ from slidetune.server.guard.security_headers import with_security_headers
 READING = ("GET", "HEAD", "OPTIONS")
 """Methods of a viewer."""
 _TOKEN_MESSAGE = (
-    "This server asks for its token: open the address that the server printed when it started "
-    "(it ends in ?token=…). A program sends the token as Authorization: Bearer …"
+    "This server requires a token: open the address that it printed when it started (ending in "
+    "?token=…). A program sends the token as Authorization: Bearer …"
 )
 _FRAMES = ("frame", "iframe", "embed", "object")
 
@@ -98,9 +98,9 @@ class Access:
         hosts = connection.headers.getlist("host")
         if len(hosts) != 1 or not self._policy.allows_host(hosts[0], connection["scheme"]):
             message = (
-                f"The request names the host {', '.join(hosts) or '(none)'}, which isn't this "
-                f"server. Open http://localhost:{self._policy.port}/ on this machine; "
-                "a forwarded port must have the same number at both ends."
+                f"The request names the host {', '.join(hosts) or '(none)'}, which is not this "
+                f"server. Open http://localhost:{self._policy.port}/ on this machine; a forwarded "
+                "port must have the same number at both ends."
             )
             return Refusal(403, "host_refused", message)
         for origin in connection.headers.getlist("origin"):
@@ -108,7 +108,7 @@ class Access:
                 message = f"A page of {origin} may not use the server at {hosts[0]}."
                 return Refusal(403, "origin_refused", message)
         if _is_embedded_elsewhere(connection):
-            message = f"A page of another site may not load anything of {hosts[0]} into itself."
+            message = f"A page of another site may not load or embed anything of {hosts[0]}."
             return Refusal(403, "site_refused", message)
         return None
 

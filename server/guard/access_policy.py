@@ -18,8 +18,9 @@ from slidetune.server.guard.own_addresses import own_addresses
 Role = Literal["owner", "viewer"]
 
 WATCH_ONLY = (
-    "You are watching: this address shows the live session, but changes nothing and starts no "
-    "computation. The owner's address, which the server printed when it started, does."
+    "You are watching: with this address you can see the live session, but not change anything or "
+    "start a computation. For that, use the owner's address, which the server printed when it "
+    "started."
 )
 """Said to a viewer who asks for more."""
 

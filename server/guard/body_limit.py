@@ -9,7 +9,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from slidetune.server.guard.errors import error_body
 from slidetune.server.guard.limits import MAX_BODY
 
-TOO_LARGE = f"The body may hold {MAX_BODY // 1024} KiB at most."
+TOO_LARGE = f"The body may have at most {MAX_BODY // 1024} KiB."
 # What is left of the body is not read: the connection can't carry another request.
 _CLOSE = {"connection": "close"}
 

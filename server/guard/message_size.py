@@ -36,7 +36,7 @@ def refuse_if_long(text: str) -> None:
         MessageTooLargeError: naming the limit.
     """
     if len(text) > MAX_LIVE_MESSAGE:
-        raise MessageTooLargeError(f"a message may hold {MAX_LIVE_MESSAGE // 1024} KiB at most")
+        raise MessageTooLargeError(f"a message may have at most {MAX_LIVE_MESSAGE // 1024} KiB")
 
 
 def refuse_if_many(data: Any) -> None:

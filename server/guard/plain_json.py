@@ -24,15 +24,15 @@ def read_json(text: str | bytes) -> Any:
         return json.loads(text, parse_constant=_constant, parse_int=_integer)
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, character {error.colno}"
-        raise NotJsonError(f"isn't JSON: something is wrong or missing at {place}") from error
+        raise NotJsonError(f"isn't valid JSON: something is wrong or missing at {place}") from error
     except UnicodeError as error:
-        raise NotJsonError("isn't JSON: it needs to be text in UTF-8") from error
+        raise NotJsonError("isn't valid JSON: it must be text in UTF-8") from error
     except RecursionError as error:
-        raise NotJsonError("isn't JSON that can be read: it nests too deep") from error
+        raise NotJsonError("isn't readable JSON: it is nested too deeply") from error
 
 
 def _constant(name: str) -> NoReturn:
-    raise NotJsonError(f"isn't JSON: {name} is not a number that JSON knows")
+    raise NotJsonError(f"isn't valid JSON: {name} is not a JSON number")
 
 
 def _integer(digits: str) -> int | float:

@@ -103,7 +103,7 @@ class RawWebSocket(WebSocketsSansIOProtocol):
     def _may_pass(self) -> bool:
         """Count a frame that brings no whole message; hang up where it is one too many."""
         if not self._has_hung_up and not self._bucket.take():
-            self._hang_up(f"more than {CLIENT_RATE:g} pings or pieces of messages a second")
+            self._hang_up(f"more than {CLIENT_RATE:g} pings or message fragments per second")
         return not self._has_hung_up
 
     def _hang_up(self, reason: str) -> None:

@@ -45,7 +45,7 @@ class Commands:
             SessionBusyError: saying what to do.
         """
         if len(self._queue) >= MOST_COMMANDS:
-            text = f"{MOST_COMMANDS} commands wait for the live session already"
+            text = f"{MOST_COMMANDS} commands are waiting for the live session already"
             raise SessionBusyError(f"{text}: try again in a moment, or pause it")
 
     def add(self, request: Request, instead_of_steps: bool = False) -> None:

@@ -50,7 +50,7 @@ class Roughness:
         if share < WORTH_TELLING:
             return None
         return (
-            f"{min(share, 1.0):.0%} of its live steps are longer than their own error allows, so "
-            "that its live curves are approximate. Response cuts them as finely as they ask; a "
-            "shorter step does it here too."
+            f"{min(share, 1.0):.0%} of its live steps are longer than their local error allows, so "
+            "its live curves are approximate. Response subdivides such steps as needed; here a "
+            "shorter step helps."
         )

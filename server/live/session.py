@@ -266,7 +266,7 @@ class Session:
             try:
                 self._tick()
             except Exception:
-                log.exception("The session stumbled and paused.")
+                log.exception("A tick of the session failed; it is paused.")
                 self._commands.drop_steps()
                 self.playing = False
                 self.on_change()
@@ -280,8 +280,8 @@ class Session:
         if self.playing:
             if self.pacer.stalled:
                 self.on_notice(
-                    f"Slidetune could not run for {self.pacer.stalled:.0f} s. Simulated time stood "
-                    "still meanwhile and goes on from there."
+                    f"Slidetune could not run for {self.pacer.stalled:.0f} s. Simulated time was "
+                    "stopped meanwhile and continues from there."
                 )
             self._advance_until(deadline)
         self.pacer.end(self.loop.period)

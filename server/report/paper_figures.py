@@ -35,12 +35,12 @@ Array = np.ndarray
 TITLE = "Liu et al. 2025: the published comparison, run again"
 LEAD = (
     f"{', '.join(LAWS[:-1])} and {LAWS[-1]} on the JAKA Zu 5, computed by Slidetune: the published "
-    "figures beside ours, then the curves of Figures 4 to 15 and 17 to 19."
+    "values beside ours, then the curves of Figures 4 to 15 and 17 to 19."
 )
 
 
 def _caption(number: int, preset: str) -> str:
-    return f"Mirrors Figure {number} of the paper; preset {preset}."
+    return f"Corresponds to Figure {number} of the paper; preset {preset}."
 
 
 def _joints(
@@ -100,7 +100,7 @@ def paper_page(runs: Mapping[str, Run]) -> str:
     ]
     body = html_paragraphs([LEAD])
     body += html_table(HEADINGS, table, legend())
-    flange = "Flange error of the experiment; the paper shows curves and gives no figures."
+    flange = "Flange error of the experiment; the paper shows curves and gives no values."
     body += html_table(FLANGE_HEADINGS, flange_rows(runs), flange)
     body += html_paragraphs(list(remarks(runs)))
     return figure_page(TITLE, body, paper_sections(runs))

@@ -147,9 +147,9 @@ def flange_rows(runs: Mapping[str, Run]) -> list[tuple[str, ...]]:
 def legend() -> str:
     """Say what the marks mean."""
     return (
-        f"Mean |e| of joints 1 to 3 and the greatest errors of these; |de| for t > {SETTLED:g} s. "
-        f"≈ within {CLOSE:.0%} of the published figure. ≠ further off: not reproduced. "
-        "f: the torque of S1 was fitted to these very three figures, so they show nothing."
+        f"Mean |e| of joints 1 to 3 and the maximum errors of these; |de| for t > {SETTLED:g} s. ≈ "
+        f"within {CLOSE:.0%} of the published value. ≠ further off: not reproduced. f: the torque "
+        "of S1 was fitted to these three values, so their agreement proves nothing."
     )
 
 
@@ -158,25 +158,25 @@ def remarks(runs: Mapping[str, Run]) -> Iterator[str]:
     wrists = runs[DISTURBED].lanes[LAWS[0]].metrics.mae[3:]
     listed = ", ".join(f"{value:.1g}" for value in wrists)
     yield (
-        "Guessed, because the paper doesn't say: the disturbance (one constant torque for all "
-        "laws), the initial velocity, λ of RBFNN-SMC, and 10 s for the experiment. The arm is the "
-        "manufacturer's description, 96.4 kg of solid steel; the real one weighs 23 kg. Its "
-        "weight is the error of joint 2."
+        "Assumed, because the paper does not give them: the disturbance (one constant torque for "
+        "all laws), the initial velocity, λ of RBFNN-SMC, and 10 s for the experiment. The arm is "
+        "the manufacturer's description, 96.4 kg of solid steel; the real one weighs 23 kg. Its "
+        "weight causes the error of joint 2."
     )
     yield (
-        "Comes out under S1: the proposed law's mean errors, its greatest error and its greatest "
+        "Reproduced under S1: the proposed law's mean errors, its maximum error and its maximum "
         "velocity error; the mean error of joint 2 under RBFNN-SMC; the order of the laws' mean "
         "errors, in which NFTSM's place is fitted."
     )
     yield (
-        "Could not be reproduced: no constant torque gives RBFNN-SMC a larger error on joint 1 "
-        "than on joint 3; none gives all three greatest velocity errors at once; and joints 4 to "
-        "6 do not behave like joints 1 to 3 under the proposed law: their mean errors are "
-        f"{listed} rad."
+        "Not reproduced: no constant torque gives RBFNN-SMC a larger error on joint 1 than on "
+        "joint 3; none gives all three maximum velocity errors at the same time; and joints 4 to 6 "
+        f"do not behave like joints 1 to 3 under the proposed law: their mean errors are {listed} "
+        "rad."
     )
     yield (
-        "Without any disturbance (S0) NFTSM, which then knows the arm exactly, is the most exact "
-        "of the three: the published order rests on the disturbance."
+        "Without a disturbance (S0) NFTSM, whose model is then exact, is the most accurate of the "
+        "three: the published order depends on the disturbance."
     )
 
 
@@ -208,7 +208,7 @@ def print_comparison(runs: Mapping[str, Run], console: Console) -> None:
     console.print(table)
     console.print(Text(legend()))
     console.print()
-    console.print(Text("Flange error of the experiment (the paper shows curves, no figures)"))
+    console.print(Text("Flange error of the experiment (the paper shows curves, no values)"))
     flange = _table(FLANGE_HEADINGS, 2)
     for cells in flange_rows(runs):
         flange.add_row(*(Text(cell) for cell in cells))

@@ -118,7 +118,7 @@ def experiment_router(app_state: AppState) -> APIRouter:
         },
     )
     async def replace(request: Request) -> dict[str, Any]:
-        """Replace the live document by JSON or YAML; time begins at 0."""
+        """Replace the live document by JSON or YAML; time starts at 0."""
         body = await request.body()
         content_type = request.headers.get("content-type", "")
 

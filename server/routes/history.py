@@ -25,7 +25,7 @@ class Fork(Strict):
     time: float = Field(ge=0.0, allow_inf_nan=False, description="Time to go back to [s].")
     origin: str = Field(description="The lane whose past the new one continues.")
     name: LaneName = Field(description="Name of the new lane.")
-    gains: dict[str, Any] = Field({}, description="What it has otherwise than its origin.")
+    gains: dict[str, Any] = Field({}, description="Merge patch to the gains of its origin.")
 
 
 class Look(Strict):
@@ -45,16 +45,16 @@ def history_router(app_state: AppState) -> APIRouter:
 
     @router.post("/history/{number}/restore", response_model=ExperimentAnswer, responses=REFUSED)
     def restore(number: int) -> dict[str, Any]:
-        """Go back to the experiment as it was after an edit; time and states go on."""
+        """Go back to the experiment as it was after an edit; time and states continue."""
         experiment = app_state.history.after(number)
         if experiment is None:
-            raise HTTPException(404, f"edit {number} isn't in the history any more")
+            raise HTTPException(404, f"edit {number} is no longer in the history")
         change = app_state.document.restore(experiment, author="history")
         return answer(change.revision, app_state.document.preset, change.experiment)
 
     @router.get("/session/past")
     async def past() -> dict[str, Any]:
-        """Which moments can be looked at: the last minute of simulated time."""
+        """The moments that can be shown: the last minute of simulated time."""
         span = app_state.session.recorder.span()
         return {"from": span[0] if span else None, "to": span[1] if span else None}
 
@@ -71,7 +71,7 @@ def history_router(app_state: AppState) -> APIRouter:
 
     @router.post("/session/fork", response_model=ExperimentAnswer, responses=REFUSED)
     def fork(wanted: Annotated[Fork, Body()]) -> dict[str, Any]:
-        """Go back to a moment of the last minute and go on from there with one lane more."""
+        """Go back to a moment of the last minute and continue from there with one more lane."""
         app_state.view.show_past(None)
         change = app_state.document.fork(
             wanted.time, wanted.origin, wanted.name, wanted.gains, author="http"

@@ -16,28 +16,33 @@ from slidetune.server.state.app_state import AppState
 
 LensName = Literal["sliding", "network", "chattering"]
 ANSWERS: dict[int | str, dict[str, Any]] = {
-    200: {"description": "``revision``, ``lane``, ``horizon``, ``frozen`` and what each lens saw."},
-    204: {"description": "The client has left."},
+    200: {
+        "description": "``revision``, ``lane``, ``horizon``, ``frozen`` and the result of each "
+        "lens."
+    },
+    204: {"description": "The client has disconnected."},
     422: {"model": ErrorAnswer},
     503: {"model": ErrorAnswer},
 }
 
 
 class LensRequest(Strict):
-    """Which lane to look at, and through what."""
+    """Which lane to analyse, and with which lenses."""
 
     lane: str = Field(examples=["RBFNN-NFTSM"])
     patch: dict[str, Any] = Field(
         {}, description="Merge patch to the live experiment, such as another switching function."
     )
     experiment: dict[str, Any] | None = Field(
-        None, description="Another experiment than the live one, whole, to which the patch goes."
+        None,
+        description="A complete experiment to use instead of the live one; the patch applies "
+        "to it.",
     )
     lenses: list[LensName] = Field(
         ["sliding", "network", "chattering"],
         min_length=1,
         max_length=3,
-        description="Each costs a little time.",
+        description="Each takes a little extra time.",
     )
 
 

@@ -34,7 +34,7 @@ class LessonFigure(BaseModel):
     """One quoted figure, and what to measure in the live session beside it."""
 
     label: str
-    window: str = Field(description="Over which time, in words.")
+    window: str = Field(description="Time span, in words.")
     quoted: str
     unit: str
     factor: float = Field(description="From SI units to `unit`.")
@@ -44,15 +44,15 @@ class LessonFigure(BaseModel):
     since: float
     until: float
     at: float | None
-    layer: list[float] = Field(description="Within which S counts as reached [rad/s].")
+    layer: list[float] = Field(description="|S| within which S = 0 counts as reached [rad/s].")
 
 
 class LessonQuestion(BaseModel):
-    """A prediction to be made before the step's change is."""
+    """A prediction to make before the step's change is applied."""
 
     text: str
     choices: list[str]
-    answer: int = Field(description="Place of the right choice, counted from 0.")
+    answer: int = Field(description="Index of the right choice, counted from 0.")
     explanation: list[str] = Field(description="Paragraphs.")
     figures: list[LessonFigure] = Field(description="Those of text and explanation, answered.")
 
@@ -75,16 +75,16 @@ class LessonStep(BaseModel):
     experiment: dict[str, Any] = Field(description="What the step is about, whole.")
     changes: list[LessonChange]
     figures: list[LessonFigure] = Field(description="Those of the text, before any answer.")
-    lane: str = Field(description="Lane to select; empty: leave it.")
+    lane: str = Field(description="Lane to select; empty: keep the selection.")
     view: View | None = Field(description="Tab of the plots to open.")
     exaggeration: float | None
     reset: bool = Field(description="Whether time starts again at 0.")
-    samples: int = Field(description="Hold the plots on so many samples; 0: follow the newest.")
+    samples: int = Field(description="Freeze the plots on this many samples; 0: follow the newest.")
     question: LessonQuestion | None
 
 
 class LessonAnswer(BaseModel):
-    """One lesson, whole, with all numbers filled in."""
+    """One complete lesson, with all numbers filled in."""
 
     name: str
     title: str

@@ -46,12 +46,12 @@ from slidetune.server.state.app_state import AppState
 from slidetune.server.state.hub import Client, Hub, encode
 
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(ClientMessage)
-_AGAIN = ": this one was not acted on, send it again in a moment"
+_AGAIN = ": this one had no effect, send it again in a moment"
 
 
 def _too_fast() -> TooManyPatchesError:
     return TooManyPatchesError(
-        f"more than {CLIENT_RATE:g} messages a second from one client{_AGAIN}"
+        f"more than {CLIENT_RATE:g} messages per second from one client{_AGAIN}"
     )
 
 
@@ -92,7 +92,7 @@ class Conversation:
     async def hear_binary(self) -> None:
         """Answer a message that isn't text."""
         if await self._pace(1):
-            body = error_body("bad_message", "This server hears text messages only.")
+            body = error_body("bad_message", "This server accepts text messages only.")
         else:
             body = refusal_body(_too_fast())
         self._refuse(body, None)
@@ -116,7 +116,7 @@ class Conversation:
             TooManyPatchesError: naming the limit; the message wasn't acted on.
         """
         if isinstance(message, PatchMessage | LaneMessage) and not self._hub.patches.take():
-            text = f"more than {TOTAL_RATE:g} patches a second from all clients together"
+            text = f"more than {TOTAL_RATE:g} patches per second from all clients together"
             raise TooManyPatchesError(f"{text}{_AGAIN}")
 
     def _refuse(self, body: dict[str, Any], request: Any) -> None:

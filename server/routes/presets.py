@@ -90,7 +90,7 @@ def presets_router(app_state: AppState) -> APIRouter:
 
     @router.post("/{name}/load", response_model=ExperimentAnswer, responses=_UNKNOWN)
     def load(name: str) -> dict[str, Any]:
-        """Begin a preset in the live session, at time 0."""
+        """Start a preset in the live session, at time 0."""
         change = app_state.document.replace(preset_store().load(name), preset=name, author="http")
         return answer(change.revision, name, change.experiment)
 

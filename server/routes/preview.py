@@ -18,17 +18,18 @@ SUPERSEDED: dict[int | str, dict[str, Any]] = {
         "content": {BINARY: {}},
         "description": "See ``encode_responses``. Each lane's ``accuracy`` holds "
         "``error_estimate`` [rad], null in a quick run; ``unconverged``, steps whose equation was "
-        "not solved to its tolerance; ``capped``, rows whose step was not cut as far as its error "
-        "asked; ``remark``, what is wrong and what would help; ``patch``, which sets it, or null.",
+        "not solved to its tolerance; ``capped``, rows whose step was not subdivided as far as its "
+        "error requires; ``remark``, what is wrong and what would help; ``patch``, which sets it, "
+        "or null.",
     },
-    204: {"description": "The same client has asked for a newer one."},
+    204: {"description": "Superseded by a newer request of the same client."},
     422: {"model": ErrorAnswer},
     503: {"model": ErrorAnswer},
 }
 
 
 class PreviewRequest(Strict):
-    """Which response is wanted."""
+    """Which response to compute."""
 
     patch: dict[str, Any] = Field(
         {},
@@ -36,15 +37,18 @@ class PreviewRequest(Strict):
         examples=[{"lanes": {"NFTSM": {"nu": 30}}}],
     )
     experiment: dict[str, Any] | None = Field(
-        None, description="Another experiment than the live one, whole."
+        None, description="A complete experiment to use instead of the live one."
     )
     quick: bool = Field(
         False, description="2 ms steps and no estimate of their error, as during a drag."
     )
-    client: str = Field("", max_length=80, description="A newer request of it cancels the older.")
+    client: str = Field(
+        "", max_length=80, description="A newer request of the same client cancels the older one."
+    )
     show: bool | None = Field(
         None,
-        description="Draw the flanges' paths in the 3D scene, or take them away; null leaves them.",
+        description="Draw the flanges' paths in the 3D scene, or remove them; null leaves them as "
+        "they are.",
     )
 
 

@@ -12,7 +12,7 @@ from slidetune.server.routes.preview import BINARY
 from slidetune.server.state.app_state import AppState
 
 JSON = "application/json"
-NONE_YET = {"description": "Nobody has asked for one yet."}
+NONE_YET = {"description": "None has been requested yet."}
 RESPONSE: dict[int | str, dict[str, Any]] = {
     200: {"content": {BINARY: {}}, "description": "As ``POST /api/preview`` answered it."},
     204: NONE_YET,
@@ -33,7 +33,7 @@ def results_router(app_state: AppState) -> APIRouter:
 
     @router.get("/response", response_class=Response, responses=RESPONSE)
     async def response() -> Response:
-        """The last exact response that somebody asked for of the live experiment.
+        """The last exact response requested for the live experiment.
 
         Its ``revision`` says whether the experiment has changed since. ``results`` of
         ``GET /api/session`` counts them.
@@ -44,7 +44,7 @@ def results_router(app_state: AppState) -> APIRouter:
     async def look(
         lane: Annotated[str, Query(examples=["RBFNN-NFTSM"])], lens: Annotated[LensName, Query()]
     ) -> Response:
-        """The last look at a lane of the live experiment through a lens."""
+        """The last result of a lens for a lane of the live experiment."""
         return _answer(app_state.results.look(lane, lens), JSON)
 
     return router

@@ -31,13 +31,13 @@ def session_router(app_state: AppState) -> APIRouter:
 
     @router.get("/health", response_model=Health)
     async def health(request: Request) -> dict[str, Any]:
-        """Whether the server is well, what it lets you do, and how much of it."""
+        """Health of the server, your role and the limits."""
         role = role_in(request.scope)
         return {**app_state.health(), "role": role, "limits": limits_document()}
 
     @router.get("/session", response_model=SessionState)
     async def state() -> dict[str, Any]:
-        """Where the live session stands."""
+        """State of the live session."""
         return app_state.state()
 
     @router.patch("/session", response_model=SessionState, responses=REFUSED)
@@ -48,25 +48,25 @@ def session_router(app_state: AppState) -> APIRouter:
 
     @router.post("/session/play", status_code=202)
     async def play() -> Accepted:
-        """Let time go on; steps that wait are dropped."""
+        """Start time; queued steps are discarded."""
         session.play()
         return Accepted(waiting_steps=0)
 
     @router.post("/session/pause", status_code=202)
     async def pause() -> Accepted:
-        """Hold time; steps that wait are dropped."""
+        """Stop time; queued steps are discarded."""
         session.pause()
         return Accepted(waiting_steps=0)
 
     @router.post("/session/step", status_code=202, responses=REFUSED)
     async def step(steps: Annotated[Steps | None, Body()] = None) -> Accepted:
-        """Pause and make some steps; at most 4000 wait, more are left out."""
+        """Pause and make some steps; at most 4000 are queued, further ones are not."""
         session.step((steps or Steps()).count)
         return Accepted(waiting_steps=session.waiting_steps)
 
     @router.post("/session/reset", status_code=202, responses=REFUSED)
     async def reset(what: Annotated[Reset | None, Body()] = None) -> Accepted:
-        """Go back to time 0 and drop the steps that wait; or let one lane alone begin anew."""
+        """Go back to time 0 and discard queued steps, or restart one lane only."""
         app_state.reset(what.lane if what else None)
         return Accepted(waiting_steps=session.waiting_steps)
 

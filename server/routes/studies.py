@@ -26,11 +26,11 @@ from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"
 LINES: dict[int | str, dict[str, Any]] = {
-    200: {"content": {NDJSON: {}}, "description": "One JSON object a line, as the runs end."},
+    200: {"content": {NDJSON: {}}, "description": "One JSON object per line, as the runs end."},
     422: {"model": ErrorAnswer},
     429: {"model": ErrorAnswer},
 }
-_FULL = f"{MAX_STUDIES} studies are under way already: ask again when one of them has ended"
+_FULL = f"{MAX_STUDIES} studies are running already: try again when one of them has ended"
 
 
 class _Limited(StreamingResponse):
@@ -52,7 +52,7 @@ class StudyRequest(Strict):
 
 
 class StripRequest(StudyRequest):
-    """Which knob to try along its whole track."""
+    """Which gain to vary along its slider's whole track."""
 
     field: str = Field(examples=["c"])
     count: int = Field(COUNT, ge=2, le=60)
@@ -60,14 +60,16 @@ class StripRequest(StudyRequest):
         None,
         ge=1,
         le=JOINTS,
-        description="Turn this joint's share alone; null: all, in proportion.",
+        description="Vary this joint's value alone; null: all joints, in proportion.",
     )
 
 
 class SensitivityRequest(StudyRequest):
-    """How far to turn every knob."""
+    """How far to vary every gain."""
 
-    change: float = Field(0.1, gt=0.0, le=0.9, description="Share by which each is changed.")
+    change: float = Field(
+        0.1, gt=0.0, le=0.9, description="Fraction by which each gain is changed."
+    )
 
 
 def studies_router(app_state: AppState) -> APIRouter:
@@ -110,7 +112,7 @@ def studies_router(app_state: AppState) -> APIRouter:
 
     @router.post("/sensitivity", response_class=StreamingResponse, responses=LINES)
     async def all_knobs(wanted: Annotated[SensitivityRequest, Body()]) -> StreamingResponse:
-        """Turn every gain of a lane a little both ways: which knob next?"""
+        """Vary every gain of a lane a little both ways: which gain to change next?"""
         trials = sensitivity(app_state.document.experiment, wanted.lane, wanted.change)
         return told(wanted.lane, trials)
 

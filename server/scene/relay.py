@@ -58,8 +58,8 @@ RELAYED_REQUEST_HEADERS = _READING + _CONDITIONS
 _HOP_BY_HOP = ("connection", "keep-alive", "proxy-authenticate", "te", "trailer", "upgrade")
 DROPPED_RESPONSE_HEADERS = (*_HOP_BY_HOP, "transfer-encoding", "date", "server")
 _LEFT = Close(1001, "The browser has left.")
-_SCENE_IS_DOWN = Close(1013, "The 3D scene does not answer; restart Slidetune if this lasts.")
-_SCENE_IS_FULL = Close(1013, f"{MAX_CLIENTS} browsers show the 3D scene already.")
+_SCENE_IS_DOWN = Close(1013, "The 3D scene does not answer; restart Slidetune if this persists.")
+_SCENE_IS_FULL = Close(1013, f"{MAX_CLIENTS} browsers are showing the 3D scene already.")
 VIEWERS_MESSAGES = ("ViewerCameraMessage",)
 """What a viewer may say to Viser: where its camera is, without which Viser shows it nothing."""
 

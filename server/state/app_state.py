@@ -48,7 +48,7 @@ def _remarks(packed: Packed, name: str) -> dict[str, Any]:
             "notes": [asdict(one) for one in advice_on(packed, name)],
         }
     except Exception:
-        log.exception("The numbers of lane %s can't be judged.", name)
+        log.exception("Advice on lane %s failed.", name)
         return _NO_ADVICE
 
 

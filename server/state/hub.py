@@ -141,7 +141,7 @@ class Hub:
                     self.broadcast(await asyncio.to_thread(self._app_state.metrics))
             except Exception:
                 # Whatever it was, the next state is news again; nobody's screen stands still.
-                log.exception("could not tell the clients how things are")
+                log.exception("could not send the state and metrics to the clients")
 
     def _soon(self, action: Callable[[], None]) -> None:
         if self._loop is not None and not self._loop.is_closed():

@@ -30,6 +30,8 @@ def save_within_quota(
     with _turn:
         names = {path.stem for path in store.user.glob("*.yaml")}
         if name not in names and len(names) >= MAX_PRESETS:
-            text = f"there are {len(names)} presets of yours, {MAX_PRESETS} are allowed: delete one"
+            text = (
+                f"you have {len(names)} presets of your own, {MAX_PRESETS} are allowed: delete one"
+            )
             raise TooManyPresetsError(text)
         store.save(name, experiment, overwrite)

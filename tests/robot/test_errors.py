@@ -34,7 +34,7 @@ def test_every_error_is_also_the_builtin_that_callers_expect(kind: type[Exceptio
 
 def test_a_field_error_reads_as_a_sentence() -> None:
     assert str(REFUSED) == "lanes.NFTSM.nu: nu must be in [0.01, 100] 1/s, got 0"
-    assert str(FieldError("", "needs a mapping", line=3)) == "line 3: needs a mapping"
+    assert str(FieldError("", "must be a mapping", line=3)) == "line 3: must be a mapping"
     assert str(FieldError("a", "b", line=3)) == "line 3: a: b"
 
 

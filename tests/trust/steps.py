@@ -18,17 +18,17 @@ def _figure(value: float | None, unit: str = "") -> str:
 
 def _row(row: dict[str, Any]) -> list[str]:
     unit = row["unit"]
-    wanted = []
+    target = []
     if row["target"] is not None:
         sign = "≥" if row["limit"] == "at least" else "≤"
-        wanted.append(f"{sign} {_figure(row['target'], unit)}")
+        target.append(f"{sign} {_figure(row['target'], unit)}")
     if row["most"] is not None:
-        wanted.append(f"≤ {row['most']:g} × floor")
+        target.append(f"≤ {row['most']:g} × floor")
     typical = row["typical"] if row["high"] is None else row["high"]
     name = row["name"] if row["high"] is None else f"{row['name']} (95th percentile)"
     ratio = "" if row["ratio"] is None else f"{row['ratio']:.2f}"
     met = {True: "yes", False: "**no**", None: ""}[row["met"]]
-    return [name, _figure(row["best"], unit), _figure(typical, unit), ratio, ", ".join(wanted), met]
+    return [name, _figure(row["best"], unit), _figure(typical, unit), ratio, ", ".join(target), met]
 
 
 def main(keep: bool = typer.Option(False, "--record", help="Write docs/performance.md.")) -> None:
@@ -36,7 +36,7 @@ def main(keep: bool = typer.Option(False, "--record", help="Write docs/performan
     command = [sys.executable, "-m", "slidetune", "bench", "--json", "-"]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=True, encoding="utf-8")
     rows = json.loads(done.stdout)["rows"]
-    headings = ["", "best", "median", "× floor", "wanted", "met"]
+    headings = ["", "best", "median", "× floor", "target", "met"]
     shown = table(headings, [_row(row) for row in rows])
     body = f"{shown}\n\n{provenance('python -m tests.trust.steps --record')}"
     print(body)

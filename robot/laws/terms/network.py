@@ -47,7 +47,7 @@ class NetworkGains(Section):
         equation="Eq. 19",
         group="RBF network",
         source="published",
-        meaning="At b = 10 every Gaussian is nearly 1 and the network is an integrator of S.",
+        meaning="At b = 10 every Gaussian is nearly 1 and the network integrates S.",
     )
     learning_rate: PerJoint = field(
         50.0,
@@ -60,7 +60,7 @@ class NetworkGains(Section):
         equation="Eq. 21",
         group="RBF network",
         source="published",
-        meaning="How fast the weights follow the sliding variable; 0 switches learning off.",
+        meaning="Adaptation gain: rate of the weights per unit of S; 0 switches learning off.",
     )
     leakage: PerJoint = field(
         0.0,
@@ -71,7 +71,7 @@ class NetworkGains(Section):
         high=50.0,
         step=0.01,
         group="RBF network",
-        meaning="Rate at which the weights forget, against wind-up; 0 as published.",
+        meaning="Decay rate of the weights, against integral windup; 0 as published.",
     )
     center_span: Number = field(
         1.0,
@@ -85,7 +85,7 @@ class NetworkGains(Section):
         equation="Eq. 19",
         group="RBF network",
         source="corrected",
-        meaning="The ten centres lie evenly from minus to plus this; published: -1 to 1.",
+        meaning="The ten centres are evenly spaced over ± this value; published: -1 to 1.",
     )
     network_input: NetworkInput = field(
         "error",
@@ -94,7 +94,7 @@ class NetworkGains(Section):
         equation="Eq. 19",
         group="RBF network",
         source="inferred",
-        meaning="What the Gaussians look at: the error e, the angle q or the desired angle q_d.",
+        meaning="Input of the Gaussians: the error e, the angle q or the desired angle q_d.",
     )
 
     @property

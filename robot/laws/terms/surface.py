@@ -43,7 +43,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Weight of the error; on the surface a slow error dies with the time constant c/ν.",
+        meaning="Weight of the error; on the surface a small error decays with time constant c/ν.",
     )
     c: PerJoint = field(
         10.0,
@@ -56,7 +56,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Weight of the velocity error; with k₁ it makes the damping k₁c.",
+        meaning="Weight of the velocity error; with k₁ it gives the damping k₁c.",
     )
     mu: PerJoint = field(
         0.3,
@@ -68,7 +68,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Weight of the terminal term |de|^(p/k), which acts on large velocity errors.",
+        meaning="Weight of the terminal term |de|^(p/k), which acts at large velocity errors.",
     )
     p: PerJoint = field(
         5.0,
@@ -88,7 +88,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Odd; 1 < p/k < 2 keeps the surface free of singularities.",
+        meaning="Odd; 1 < p/k < 2 keeps the surface non-singular.",
     )
     k: PerJoint = field(
         3.0,
@@ -102,7 +102,7 @@ class NftsmSurface(Section):
         equation="Eq. 5",
         group="Sliding surface",
         source="published",
-        meaning="Odd; 1 < p/k < 2 keeps the surface free of singularities.",
+        meaning="Odd; 1 < p/k < 2 keeps the surface non-singular.",
     )
 
     @model_validator(mode="after")
@@ -140,7 +140,7 @@ class LinearSurface(Section):
         scale="log",
         group="Sliding surface",
         source="inferred",
-        meaning="On the surface the error dies with the time constant 1/λ; the paper gives none.",
+        meaning="On the surface the error decays with time constant 1/λ; not given in the paper.",
     )
 
     def pack_surface(self) -> Array:

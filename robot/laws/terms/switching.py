@@ -49,7 +49,7 @@ class ReachingGains(Section):
         group="Reaching",
         needs={"reaching": ("exponential", "power")},
         source="published",
-        meaning="Torque per unit of the sliding variable: how hard the loop is drawn to S = 0.",
+        meaning="Torque per unit of the sliding variable: it drives S to zero in proportion to S.",
     )
     k2: PerJoint = field(
         150.0,
@@ -63,7 +63,7 @@ class ReachingGains(Section):
         group="Reaching",
         needs={"reaching": ("exponential", "constant")},
         source="published",
-        meaning="Greatest torque of the switching term: what it can hold against a disturbance.",
+        meaning="Maximum torque of the switching term: the disturbance that it can reject.",
     )
     epsilon: PerJoint = field(
         1.0,
@@ -78,7 +78,7 @@ class ReachingGains(Section):
         group="Reaching",
         needs={"switching": ("tanh", "saturation")},
         source="published",
-        meaning="Width over which tanh and saturation pass from -1 to 1; sign ignores it.",
+        meaning="|S| at which saturation reaches 1 and tanh 0.76; sign does not use it.",
     )
     switching: Switching = field(
         "tanh",
@@ -88,7 +88,7 @@ class ReachingGains(Section):
         group="Reaching",
         source="published",
         meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters "
-        "where the loop is sampled and holds S at zero where it is continuous.",
+        "in sampled mode and holds S at zero in continuous mode.",
     )
     reaching: Reaching = field(
         "exponential",
@@ -109,7 +109,7 @@ class ReachingGains(Section):
         equation="Eq. 12",
         group="Reaching",
         needs={"reaching": ("power",)},
-        meaning="Exponent of the power reaching law; the other two ignore it.",
+        meaning="Exponent of the power reaching law; the other two do not use it.",
     )
 
     @property

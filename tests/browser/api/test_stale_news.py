@@ -63,7 +63,7 @@ def test_a_busy_server_is_told_and_asked_again(
 ) -> None:
     complaints.allow("503")
     open_response(page, dashboard)
-    text = "256 tasks wait already: try again in a moment"
+    text = "256 tasks are waiting already: try again in a moment"
     refused: list[str] = []
 
     def refuse(route: Route) -> None:

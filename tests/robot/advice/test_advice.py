@@ -321,7 +321,7 @@ def test_delay_is_named_where_it_makes_the_difference() -> None:
     ]
     assert note.level == "warning"
     assert "γ = 1.5" in note.message
-    assert "this loop's border with this delay is 0.9" in note.message
+    assert "the limit of this loop with this delay is 0.9" in note.message
 
 
 def test_the_proposed_layer_is_hardly_wider_than_it_must_be() -> None:

@@ -110,7 +110,7 @@ def test_lane_names_that_would_break_a_path_or_a_page_are_refused(name: str) -> 
 
 
 def test_a_lane_is_not_named_like_what_no_object_of_a_browser_can_hold() -> None:
-    with pytest.raises(InvalidExperimentError, match="__proto__ is no name"):
+    with pytest.raises(InvalidExperimentError, match="__proto__ is not allowed"):
         Experiment.from_document({"lanes": {"__proto__": {"law": "smc"}}})
 
 

@@ -186,7 +186,7 @@ def test_a_text_may_leave_things_out() -> None:
         ("title: a\ntrue: b\n", 2, "put true in quotes"),
         ("title: a\n? \n: b\n", 2, "empty"),
         ("lanes: {A: {law: smc}\n", 2, "got '<stream end>'"),
-        ('title: a\ndescription: "\\U00110000"\n', 2, "no character"),
+        ('title: a\ndescription: "\\U00110000"\n', 2, "not a character"),
     ],
 )
 def test_what_is_not_plain_is_refused_with_its_line(text: str, line: int | None, word: str) -> None:

@@ -240,7 +240,7 @@ def test_a_path_is_read_from_anywhere(user_folder: Path, tmp_path: Path) -> None
         with pytest.raises(UnknownPresetError):
             load_preset(missing)
     path.write_bytes(b"#" * 200_000)
-    with pytest.raises(PresetSyntaxError, match=r"Any name\.yaml: takes at most 64 KiB"):
+    with pytest.raises(PresetSyntaxError, match=r"Any name\.yaml: must be at most 64 KiB"):
         load_preset(path)
 
 
@@ -295,7 +295,7 @@ def test_the_chattering_preset_tells_the_figures_of_its_own_run() -> None:
 def test_the_arms_of_the_tour_differ_as_the_readme_says() -> None:
     run = simulate(load_preset("paper").patched({"simulation": {"horizon": 25.0}}))
     readme = " ".join((SHIPPED_FOLDER.parent / "README.md").read_text(encoding="utf-8").split())
-    assert "They soon differ by centimetres, and NFTSM drifts away by decimetres" in readme
+    assert "They soon differ by centimetres, and NFTSM drifts off by decimetres" in readme
     ours, drifting = (run.lanes[name].flange for name in ("RBFNN-NFTSM", "NFTSM"))
     apart = np.linalg.norm(ours - drifting, axis=-1)
     assert 0.02 < apart[run.time < 3.0].max() < 0.1

@@ -29,7 +29,7 @@ def nested(levels: int, kind: type = dict) -> Any:
 @pytest.mark.parametrize("kind", [dict, list])
 def test_depth_is_bounded(kind: type) -> None:
     assert plain_values(nested(DEEPEST, kind)) == nested(DEEPEST, kind)
-    with pytest.raises(UnfitError, match="nests deeper") as caught:
+    with pytest.raises(UnfitError, match="nested deeper") as caught:
         plain_values(nested(DEEPEST + 1, kind))
     assert caught.value.path.count(".") == DEEPEST - 1
 
@@ -89,5 +89,5 @@ def test_an_unfit_document_or_patch_is_refused_shortly(document: Any) -> None:
 
 def test_a_patch_removes_no_lane_whose_name_cannot_be_told() -> None:
     for key in ("\ud800", "x" * 200_000):
-        with pytest.raises(InvalidExperimentError, match="the patch holds a key"):
+        with pytest.raises(InvalidExperimentError, match="the patch contains a key"):
             Experiment().patched({"lanes": {key: None}})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import re
 from collections.abc import Iterator
 from typing import Any, get_args
 
@@ -147,7 +148,7 @@ def test_a_number_that_is_none_is_refused(
         if info.annotation is not int:
             assert "must be in" in refused(section, **{name: vary(info, value)})
     for value in (True, "1", [], {}, [1.0, 2.0], b"1", 1j):
-        assert "needs" in refused(section, **{name: value})
+        assert re.search("must be (a|one) ", refused(section, **{name: value}))
 
 
 @pytest.mark.parametrize(("section", "name", "info"), NUMBERS, ids=IDS)
@@ -155,7 +156,7 @@ def test_only_a_limit_can_be_off(section: type[Section], name: str, info: FieldI
     if name == "torque_limit":
         assert section(**{name: None}).torque_limit is None
     else:
-        assert "needs" in refused(section, **{name: None})
+        assert re.search("must be (a|one) ", refused(section, **{name: None}))
 
 
 @pytest.mark.parametrize("name", ["nu", "c", "mu"])

@@ -17,7 +17,7 @@ CASES: list[tuple[dict[str, Any], str, object, tuple[str, ...]]] = [
     ({"lanes": {"A": {"law": "smc", "k1": "hard"}}}, "lanes.A.k1", "hard", ("number", "hard")),
     ({"lanes": {"A": {"law": "smc", "k1": [1, 2]}}}, "lanes.A.k1", "[1, 2]", ("6 numbers",)),
     ({"lanes": {"A": {"law": "smc", "k1": 1000.001}}}, "lanes.A.k1", 1000.001, ("1000.001",)),
-    ({"lanes": {"A": None}}, "lanes.A", None, ("needs a mapping",)),
+    ({"lanes": {"A": None}}, "lanes.A", None, ("must be a mapping",)),
     ({"lanes": {"A": {}}}, "lanes.A.law", None, ("rbfnn_nftsm", "computed_torque")),
     ({"lanes": {}}, "lanes", "{}", ("at least 1",)),
     ({"lanes": {"a/b": {"law": "smc"}}}, "lanes.a/b", "a/b", ("1 to 40 characters",)),

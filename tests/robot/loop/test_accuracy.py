@@ -129,9 +129,9 @@ def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
     experiment = experiment_of(HARSH, step=0.005, scheme="plain")
     accuracy = lane_of(experiment).accuracy
     assert accuracy.error_estimate > GOOD
-    assert "off by up to" in accuracy.remark
+    assert "estimated error" in accuracy.remark
     if accuracy.patch is None:
-        assert "No step" in accuracy.remark
+        assert "No allowed step" in accuracy.remark
     better = experiment.patched({"simulation": {"scheme": "extrapolated", "step": 0.005}})
     accuracy = lane_of(better).accuracy
     assert accuracy.patch is not None
@@ -146,15 +146,15 @@ def test_a_bad_run_says_so_and_offers_a_step_that_does() -> None:
 
 def test_an_unsolved_step_is_never_passed_over() -> None:
     accuracy = judge(experiment_of(HARSH), 1e-9, unconverged=3, left=0.25, capped=0)
-    assert "3 steps was not solved" in accuracy.remark
+    assert "3 steps were not solved" in accuracy.remark
     assert "0.2 rad/s" in accuracy.remark
     assert judge(experiment_of(HARSH), 1e-9, 0, 0.0, 5).remark == ""
 
 
 def test_rows_that_ran_out_of_parts_make_the_estimate_doubtful_in_words() -> None:
     accuracy = judge(experiment_of(HARSH), 1e-9, 0, 0.0, capped=100)
-    assert "100 rows were not cut as far as their own error asked" in accuracy.remark
-    assert "greater than estimated" in accuracy.remark
+    assert "100 rows were not subdivided as far as their local error requires" in accuracy.remark
+    assert "larger than estimated" in accuracy.remark
 
 
 def test_nobody_pays_for_an_estimate_that_nobody_asked_for() -> None:

@@ -318,7 +318,7 @@ def test_a_sampled_lane_that_diverges_says_when_where_why_and_what_to_do() -> No
     assert 1 <= freeze.joint <= JOINTS
     assert freeze.gamma is not None
     assert freeze.gamma > 1000.0
-    for part in (f"Joint {freeze.joint}", "1000 Hz", "ρ =", "γ =", "k₁", "armature"):
+    for part in (f"Joint {freeze.joint}", "1000 Hz", "ρ =", "γ =", "k₁", "rotor inertia"):
         assert part in freeze.cause
     assert np.isfinite(lane.work[: W + 10]).all()
     assert np.isfinite(lane.record[: number + 1]).all()

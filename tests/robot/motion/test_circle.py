@@ -139,7 +139,7 @@ def test_a_circle_round_the_base_would_wind_a_joint_up() -> None:
     behind = CircleTrajectory().pose
     pose = (np.pi, *behind[1:])
     assert follow_circle(CircleTrajectory(pose=pose)).shape
-    assert "winds by 360°" in refusal(pose=pose, radius=0.45)
+    assert "winds up by 360°" in refusal(pose=pose, radius=0.45)
 
 
 def turn_or_field(circle: CircleTrajectory) -> Array | str:

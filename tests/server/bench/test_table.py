@@ -85,7 +85,7 @@ def test_every_law_is_measured_against_the_floor() -> None:
     assert rows[FLOOR].ratio is None
 
 
-@pytest.mark.skipif(not ON_LINUX, reason="only Linux tells the processor time of a thread")
+@pytest.mark.skipif(not ON_LINUX, reason="only Linux reports the processor time of a thread")
 def test_the_busiest_thread_is_found() -> None:
     done = threading.Event()
 

@@ -70,7 +70,7 @@ def test_a_killed_worker_is_told_and_replaced(workers: Workers) -> None:
             os.kill(process, signal.SIGKILL)
         await task
 
-    with pytest.raises(WorkerLostError, match="ask again"):
+    with pytest.raises(WorkerLostError, match="repeat the request"):
         asyncio.run(kill())
     assert asyncio.run(workers.run(double, 4)) == 8
 

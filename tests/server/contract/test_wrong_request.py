@@ -26,18 +26,18 @@ def refused(message: Any) -> list[dict[str, Any]]:
 @pytest.mark.parametrize(
     ("message", "path", "part"),
     [
-        (3, "", "needs an object, got 3"),
-        ({}, "type", "needs to be there"),
+        (3, "", "must be an object, got 3"),
+        ({}, "type", "is required"),
         ({"type": "fly"}, "type", "'kick'"),
         ({"type": "patch"}, "patch", "is missing"),
-        ({"type": "patch", "patch": 3}, "patch", "needs an object, got 3"),
+        ({"type": "patch", "patch": 3}, "patch", "must be an object, got 3"),
         ({"type": "patch", "patch": {}, "id": 1.5}, "id", "a whole number or a text, got 1.5"),
         ({"type": "patch", "patch": {}, "id": "x" * 81}, "id", "80 characters"),
         ({"type": "kick", "torque": [0, 0, 0, 0, 0, True]}, "torque.5", "a number, got true"),
         ({"type": "kick", "torque": 3}, "torque", "a list, got 3"),
         ({"type": "step", "count": "2"}, "count", "a whole number, got 2"),
         ({"type": "view", "ghosts": 1}, "ghosts", "true or false, got 1"),
-        ({"type": "play", "count": 2}, "count", "is not known here"),
+        ({"type": "play", "count": 2}, "count", "is unknown here"),
         ({"type": "lane", "origin": "a", "name": "a/b"}, "name", "1 to 40 characters"),
     ],
 )
@@ -101,4 +101,4 @@ def test_a_deep_patch_is_refused_over_http(served: Served) -> None:
         "/api/experiment", content=body, headers={"content-type": "application/json"}
     )
     assert answer.status_code == 422
-    assert "nests deeper" in answer.json()["error"]["message"]
+    assert "nested deeper" in answer.json()["error"]["message"]

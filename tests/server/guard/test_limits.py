@@ -169,7 +169,7 @@ def test_a_client_that_floods_is_told_so_and_may_send_again(
         refused = [answer["error"] for answer in answers if answer["type"] == "error"]
         assert 0 < len(refused) <= 6
         assert {error["code"] for error in refused} == {"too_many_patches"}
-        assert all("2 messages a second from one client" in error["message"] for error in refused)
+        assert all("2 messages per second from one client" in error["message"] for error in refused)
         # What was taken, and nothing else, was done; the connection stays and may send again.
         assert served.app_state.document.revision == before + 10 - len(refused)
         number, answer = 10, answers[-1]
@@ -212,7 +212,7 @@ def test_all_clients_together_have_a_limit_too(
             patch(client, number, 5)
             kinds.append((answer := answer_to(client, number))["type"])
         assert kinds == ["patch"] * 3 + ["error"]
-        assert "patches a second from all clients together" in answer["error"]["message"]
+        assert "patches per second from all clients together" in answer["error"]["message"]
         clients[3].send('{"type": "pause"}')  # only patches are counted
         while hear(clients[3], "state")["playing"]:
             pass

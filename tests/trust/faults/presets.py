@@ -73,7 +73,7 @@ def kill_saves(quick: bool) -> Outcome:
                 path.unlink()
         cut = _temporary(folder)
     measured = (
-        f"{2 * saves} saves finished; {cut} kills struck in the middle of writing and left a "
+        f"{2 * saves} saves finished; {cut} kills came in the middle of writing and left a "
         "hidden file, which is never listed"
     )
     often = f"{kills} kills of a process that only saves, half at random, half while it writes"
@@ -219,13 +219,13 @@ FAULTS = (
     ),
     Fault(
         "disk-full",
-        "The disk of the presets is full",
+        "The disk with the presets is full",
         "A clear error, 507; the old preset stays",
         fill_disk,
     ),
     Fault(
         "read-only",
-        "The folder of the presets can only be read",
+        "The preset folder is read-only",
         "A clear error, 507; the old preset stays",
         close_folder,
     ),

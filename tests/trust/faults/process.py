@@ -134,7 +134,7 @@ def suspend(quick: bool) -> Outcome:
         told = [text for text in live.notices if "could not run" in text]
         promises.hold(len(told) == 1, f"the page was told {len(told)} times that it was suspended")
         promises.hold(not live.faults, f"the client got {live.faults[:1]}")
-    measured = f"at most {ahead:.2f} s made up; the client stayed connected"
+    measured = f"at most {ahead:.2f} s caught up; the client stayed connected"
     if told:
         measured += f"; the page was told: “{told[0]}”"
     return promises.outcome(f"once, SIGSTOP for {seconds:g} s", measured)
@@ -177,7 +177,7 @@ def turn_clock(quick: bool) -> Outcome:
             promises.hold(not live.notices, f"the page was told {live.notices[:1]}")
             promises.hold(not live.closed and not live.faults, f"a client got {live.faults[:1]}")
             scene.close()
-    measured = f"{slowest:.2f} to {fastest:.2f} simulated seconds a second; 3D goes on"
+    measured = f"{slowest:.2f} to {fastest:.2f} simulated seconds per second; 3D continues"
     return promises.outcome(f"{len(jumps)} jumps of Python's time of day, up to years", measured)
 
 
@@ -185,19 +185,16 @@ FAULTS = (
     Fault(
         "port",
         "The port is taken",
-        "The next free one and a word about it, or a clear message and a non-zero exit code",
+        "The next free one and a message, or a clear error and a non-zero exit code",
         take_port,
     ),
     Fault(
         "suspend",
         "The process is suspended",
-        f"At most {LONGEST:g} s are made up; clients stay connected; the page says what happened",
+        f"At most {LONGEST:g} s are caught up; clients stay connected; the page says what happened",
         suspend,
     ),
     Fault(
-        "clock",
-        "The clock on the wall jumps",
-        "Nothing notices: pace, clients and 3D go on",
-        turn_clock,
+        "clock", "The system clock jumps", "No effect: pace, clients and 3D continue", turn_clock
     ),
 )

@@ -121,7 +121,7 @@ FAULTS = (
     Fault(
         "scene",
         "The 3D scene's connection breaks",
-        "A new connection gets the whole scene, and the arms move",
+        "A new connection gets the complete scene, and the arms move",
         drop_scene,
     ),
 )

@@ -154,13 +154,13 @@ FAULTS = (
     Fault(
         "kill-worker",
         "kill -9 of a worker that computes a whole response",
-        "The request is told 503; a new worker serves the next; the session notices nothing",
+        "The request gets 503; a new worker serves the next; the session is not affected",
         kill_responding,
     ),
     Fault(
         "kill-study",
         "kill -9 of a worker in a study",
-        "One line of the study is told as lost, all others come; the session notices nothing",
+        "One line of the study is reported as lost, all others arrive; the session is not affected",
         kill_study,
     ),
 )

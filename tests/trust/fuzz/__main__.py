@@ -39,7 +39,7 @@ TITLES = {
     "http": "bodies to every HTTP route of a server",
 }
 HEADINGS = (
-    "what", "inputs", "taken", "clearly refused", "faults", "slower than 1 s", "slowest",
+    "what", "inputs", "accepted", "clearly refused", "faults", "slower than 1 s", "slowest",
     "memory grew by",
 )  # fmt: skip
 MOST_MEMORY = 400.0

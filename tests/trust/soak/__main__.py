@@ -70,7 +70,7 @@ def _soak(presets: str, seconds: float, bar: Bar) -> Verdict:
         day = spend(server, seconds, bar)
         offspring = children(server.process)
     for line in server.said:
-        if "Traceback" in line or "stumbled" in line:
+        if "Traceback" in line or "tick of the session failed" in line:
             day.world.fail(f"the server's log: {line}")
     return judge(day, _orphans(server, day, offspring, bar))
 

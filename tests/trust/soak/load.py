@@ -121,7 +121,7 @@ def _body(heard: dict[int, Heard], storm: Aftermath) -> str:
     rows = [
         row("of them never reading", lambda _, one: str(len(one.skipped))),
         row(f"real-time factor (target ≥ {FACTOR})", lambda _, one: f"{one.factor:.3f}"),
-        row("frames a second, slowest reading client", lambda _, one: f"{one.rate:.1f}"),
+        row("frames per second, slowest reading client", lambda _, one: f"{one.rate:.1f}"),
         row("patch → frame, median [ms]", latency(0.5)),
         row("patch → frame, 95th percentile [ms]", latency(0.95)),
         row("patch → frame, 99th percentile [ms]", latency(0.99)),
@@ -129,7 +129,7 @@ def _body(heard: dict[int, Heard], storm: Aftermath) -> str:
         row("rows skipped for a client that never read", lambda _, one: _span(one.skipped)),
         row("server, % of a core", lambda _, one: f"{100 * one.share:.1f}"),
         row(
-            f"each client more, % of a core (target ≤ {SHARE})",
+            f"CPU per extra client, % of a core (target ≤ {SHARE})",
             lambda n, _: f"{shares[n]:.2f}" if n in shares else "–",
         ),
         row("server, resident memory [MB]", lambda _, one: f"{one.memory:.0f}"),
@@ -143,9 +143,9 @@ _DEFINITION = (
     "One server with the paper's three lanes at 1 kHz, all clients in one other process on the "
     "same machine. A tenth of them never read after the first message. *Patch → frame* is the "
     "time from the moment at which one client sends a patch until another reading client has the "
-    "first telemetry frame computed under it, over all reading clients and patches; it contains "
-    "the clients' own waiting for the processor. *Each client more* is what the server took above "
-    "its share for one client, divided by the clients above one."
+    "first telemetry frame computed under it, over all reading clients and patches; it includes "
+    "the time that the clients themselves wait for the processor. *CPU per extra client* is the "
+    "server's CPU use above that for one client, divided by the number of extra clients."
 )
 
 
@@ -156,10 +156,10 @@ def _span(skipped: Sequence[int]) -> str:
 def _storm_text(storm: Aftermath) -> str:
     median, high = np.quantile(storm.answers, [0.5, 0.95])
     rows = [
-        ["sent, a second", f"{storm.rate:.0f}"],
+        ["sent, per second", f"{storm.rate:.0f}"],
         ["sent", str(storm.sent)],
         ["of them out of bounds", str(storm.wrong)],
-        ["taken (promise: all others)", str(storm.taken)],
+        ["accepted (promise: all others)", str(storm.taken)],
         ["refused (promise: those)", str(storm.refused)],
         ["patch → answer, median [ms]", f"{median:.1f}"],
         ["patch → answer, 95th percentile [ms]", f"{high:.1f}"],
@@ -168,6 +168,6 @@ def _storm_text(storm: Aftermath) -> str:
         ["clients whose last value is in force", f"{storm.kept} of {storm.clients}"],
     ]
     return (
-        f"Patches from {storm.clients} clients at once, each to a field of its own:\n\n"
+        f"Patches from {storm.clients} clients at the same time, each to its own field:\n\n"
         f"{table(['patches', 'figure'], rows)}"
     )

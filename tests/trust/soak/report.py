@@ -19,13 +19,13 @@ SHOWN = 10
 """Failures that are written out (*ours*)."""
 
 _DEFINITION = (
-    "Visitors come and go all the time: two edit, others reconnect (politely, by breaking off, or "
-    "without reading), watch the 3D scene through the relay and pull at the arm, browse, ask for "
-    "previews, look back, branch off, undo, load and save presets, break studies off. Before it "
-    "begins, all that is bounded (edits to undo, previews, lanes, pools of threads) is filled. "
-    "Again and again everybody leaves, the first preset is loaded, and what is left is counted; "
-    "growth is the median of the last third of these counts after the warm-up less that of the "
-    "first third. *At most* is at any time."
+    "Visitors come and go continuously: two edit, others reconnect (closing cleanly, dropping the "
+    "connection, or never reading), watch the 3D scene through the relay and pull the arm, browse, "
+    "request previews, look back, branch, undo, load and save presets, cancel studies. Before it "
+    "starts, everything bounded (edits to undo, previews, lanes, thread pools) is filled. At "
+    "intervals everybody leaves, the first preset is loaded, and what remains is counted; growth "
+    "is the median of the last third of these counts after the warm-up minus that of the first "
+    "third. *At most* is the peak at any time."
 )
 
 
@@ -72,16 +72,16 @@ def _body(day: Day, grown: dict[str, Growth], orphans: int) -> str:
         row("sockets", lambda c: c.held.sockets, most.sockets),
         row("child processes", lambda c: len(c.held.children), None),
         row("nodes of the 3D scene", lambda c: c.nodes, None),
-        row("messages that a newcomer to the scene gets", lambda c: c.messages, None),
-        row("until it has them all [ms]", lambda c: 1e3 * c.welcome, None),
+        row("messages that a new viewer of the scene gets", lambda c: c.messages, None),
+        row("time until it has them all [ms]", lambda c: 1e3 * c.welcome, None),
     ]
     headings = ["held by the server", "before", "after", "at most"]
     parts = [
         f"{day.seconds / 60:.1f} minutes. {_DEFINITION}",
         table(headings, rows),
         _growth_text(grown, len(day.warm)),
-        f"Processes that outlived the server: {orphans} (promise: 0). Failures, that is answers "
-        f"of 500 and above, or none: {len(day.world.failures)} (promise: 0).",
+        f"Processes that outlived the server: {orphans} (promise: 0). Failures, that is "
+        f"responses of 500 and above, or no response: {len(day.world.failures)} (promise: 0).",
         table(["done", "times"], [[what, str(n)] for what, n in sorted(day.world.done.items())]),
     ]
     return "\n\n".join(parts)
@@ -109,6 +109,6 @@ def _growth_text(grown: dict[str, Growth], counts: int) -> str:
     return (
         f"{table(headings, rows)}\n\nFrom {counts} counts after the warm-up (promise: growth below "
         f"{MEMORY:g} MB; the slope is the median of those between all pairs of counts). Promise "
-        "for all else in the table above: no more after than before, but for the threads that a "
-        f"pool of {POOLED} keeps once it has needed them."
+        "for everything else in the table above: no more after than before, except for the threads "
+        f"that a pool of {POOLED} keeps once it has needed them."
     )

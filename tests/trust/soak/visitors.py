@@ -252,7 +252,7 @@ def study(world: World, dice: Random) -> None:
     """Begin a study and break it off after a few lines."""
     address = f"http://127.0.0.1:{world.port}/api/studies/strip"
     wanted = {"lane": dice.choice(world.lanes()), "field": "nu", "count": 12}
-    world.note("studies broken off")
+    world.note("studies cancelled")
     with (
         suppress(httpx.TransportError),  # it is we who leave
         httpx.stream("POST", address, json=wanted, **PLAIN) as answer,
