@@ -11,7 +11,7 @@ import {written} from '../fields/quantity.js';
  */
 /**
  * How a sampled loop stands: the spectral radius of one control period, γ, and the γ at which this
- * very loop leaves its border. Numbers are null where there are none (no γ for sign and power).
+ * very loop becomes unstable. Numbers are null where there are none (no γ for sign and power).
  * @typedef {{stable: boolean, radius: number|null, bounded: boolean, gamma: number|null,
  *   gamma_limit: number|null}} Margin
  */
@@ -137,7 +137,7 @@ export function inDigits(value, digits) {
 
 /**
  * @param {Margin|null} margin
- * @returns {string} γ and its border, or ρ where there is no γ; sign(S) has neither, nor an end
+ * @returns {string} γ and its limit, or ρ where there is no γ; sign(S) has neither, nor an end
  */
 export function marginText(margin) {
   if (!margin) return '–';

@@ -32,8 +32,8 @@ export class ChatteringLens {
   constructor(api, desk) {
     this.#card = new LensCard({
       title: 'Torque over frequency', equation: 'Eq. 13, 14',
-      words: 'The motion itself lives below a few hertz. What stands right of 50 Hz is chattering, '
-        + 'or the sensors’ noise: it heats motors and shakes gears, and hardly moves the arm.',
+      words: 'The motion itself is below a few hertz. Torque above 50 Hz is chattering or sensor '
+        + 'noise: it heats motors, wears gears and hardly moves the arm.',
     }, this.#spectrum.element);
     this.#smoothing = new SmoothingCard(api, desk);
     this.#switching = new SwitchingCard(api, desk);

@@ -158,7 +158,7 @@ def test_a_viewer_sees_the_owners_last_response_and_looks(
     )
     lenses.get_by_role("tab", name="Chattering").click()
     expect(lenses).to_contain_text("total variation")
-    expect(lenses).to_contain_text("Only the owner’s page can measure this")
+    expect(lenses).to_contain_text("Only the owner’s page can start runs")
     expect(lenses.get_by_role("button", name="Compare the three")).to_be_hidden()
     hand.post("/api/lens", json=look).raise_for_status()
     expect(seen).to_have_text("the owner’s last look, rev 3")

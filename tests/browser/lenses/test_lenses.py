@@ -244,7 +244,7 @@ def test_sign_in_continuous_mode_runs_and_says_where_it_would_chatter(
     three.get_by_role("button", name="Compare the three").click()
     expect(three.locator("tbody tr")).to_have_count(3, timeout=60_000)
     expect(three.locator(".lens-finding")).to_contain_text("times as much as tanh", timeout=60_000)
-    expect(three).to_contain_text("sign holds S at zero")
+    expect(three).to_contain_text("sign(S) holds S at zero")
     three.get_by_role("button", name="Load the preset chattering-tanh").click()
     expect(page.locator(".preset-name")).to_have_text("chattering-tanh")
     # The way back is there when the answer has come.
@@ -261,7 +261,7 @@ def test_noise_of_the_sensors_is_not_called_chattering(page: Page, dashboard: Da
     for lane in experiment(dashboard)["lanes"]:
         page.locator(".metrics-lane").get_by_text(lane, exact=True).click()
         expect(page.locator(".lens-lane")).to_have_text(lane)
-        expect(verdict).to_contain_text("Sensor noise, no chattering")
+        expect(verdict).to_contain_text("Sensor noise, not chattering")
         expect(verdict).to_contain_text("k_d" if lane == "Computed torque" else "ε")
         expect(quiet).to_have_count(1)
     # The law that was looked at last has neither a layer nor anything that switches.
