@@ -215,9 +215,9 @@ _ENTRIES = (
     ),
     Figure(
         name="gamma_limit",
-        title="limit of γ",
-        short="border",
-        symbol="γ border",
+        title="greatest stable γ",
+        short="γₘₐₓ",
+        symbol="γₘₐₓ",
         meaning="The γ at which this loop becomes unstable as its reaching gains grow",
         source="margin",
         better="none",

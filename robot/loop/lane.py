@@ -271,8 +271,8 @@ def _too_fast(simulation: Simulation, margin: Margin) -> str:
     cause += f": deviations grow by a factor ρ = {margin.radius:.4g} per sample"
     if margin.gamma is not None:
         known = margin.limit is not None and 0.0 < margin.limit < margin.gamma
-        border = f", the limit of this loop is {margin.limit:.3g}" if known else ""
-        cause += f" (γ = {margin.gamma:.3g}{border})"
+        limit = f", the limit of this loop is {margin.limit:.3g}" if known else ""
+        cause += f" (γ = {margin.gamma:.3g}{limit})"
     return (
         f"{cause}. Lower the reaching gains (k₁, k₂/ε), the surface gains or the learning rate, "
         "add rotor inertia or raise the control rate, then reset."

@@ -1,4 +1,4 @@
-"""How close a sampled loop is to its border, and what would take it further away.
+"""How close a sampled loop is to instability, and what would take it further away.
 
 The condition is that of the whole loop: the spectral radius of one control period's linear map is
 below 1. Gamma is the textbook's number, which sees the reaching law alone.
@@ -44,7 +44,7 @@ _UNSAMPLED = 1e7
 _SLOW = 0.05
 """Growth in [1/s] that differences can't tell from none at that rate (*ours*)."""
 _FACTORS = 2.0 ** np.arange(1, 31)
-"""By how much reaching gains are multiplied or divided in search of the border (*ours*)."""
+"""By how much reaching gains are multiplied or divided in search of the limit (*ours*)."""
 _MUCH = 10
 """How many of these are tried where weaker gains do not help (*ours*): a thousandfold."""
 _WEAKER = np.geomspace(1.0, 1e-4, 13)
@@ -89,7 +89,7 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
 
     Returns:
         The margin [-] at the sample period T of ``control_rate``. A loop that is nothing but a
-        damper diverges above ``margin_limit``; any loop leaves its border at ``Margin.limit``.
+        damper diverges above ``margin_limit``; any loop becomes unstable at ``Margin.limit``.
     """
     q = np.ascontiguousarray(q)
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
@@ -134,7 +134,7 @@ class Margin:
         bounded: whether what leaves the layer comes to a limit cycle instead of growing on.
         gamma: the sampling margin [-]; ``None`` where the slope of the reaching law depends on how
             far S is from 0 (power), or has no end (sign).
-        limit: gamma at which this very loop leaves its border when its reaching gains grow alike.
+        limit: gamma at which this loop becomes unstable when its reaching gains grow in proportion.
             Above gamma in a loop that is not stable it says from where on stronger gains hold it;
             0 where no factor does, ``None`` where there is no gamma.
     """
@@ -205,7 +205,7 @@ def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
 
 
 def worst_instant(packed: Packed, name: str) -> tuple[float, PeriodMap]:
-    """Return when along the desired motion the loop is closest to its border, and its map."""
+    """Return when along the desired motion the loop is closest to instability, and its map."""
     maps = [(time, period_map(packed, name, time)) for time in _instants(packed).tolist()]
     return max(maps, key=lambda found: found[1].radius())
 
@@ -223,11 +223,11 @@ def loop_margin(packed: Packed, name: str) -> Margin:
     if not _has_gamma(packed, name):
         return _margin(packed, name, maps[0], None, None)
     gamma = worst_margin(packed, name)
-    return _margin(packed, name, maps[0], gamma, gamma * _border(maps))
+    return _margin(packed, name, maps[0], gamma, gamma * _growth_to_instability(maps))
 
 
 def loop_radius(packed: Packed, name: str) -> Margin:
-    """Return what ``loop_margin`` does but for gamma and its border, which take longer."""
+    """Return what ``loop_margin`` does but for gamma and its limit, which take longer."""
     return _margin(packed, name, worst_instant(packed, name)[1], None, None)
 
 
@@ -237,7 +237,7 @@ def margin_at(packed: Packed, name: str, time: float) -> Margin:
     if not _has_gamma(packed, name):
         return _margin(packed, name, found, None, None)
     gamma = sampling_margin(packed, name, _pose(packed, time))
-    return _margin(packed, name, found, gamma, gamma * _border([found]))
+    return _margin(packed, name, found, gamma, gamma * _growth_to_instability([found]))
 
 
 def _margin(
@@ -269,8 +269,8 @@ def _pose(packed: Packed, time: float) -> Array:
     return pose
 
 
-def _border(maps: list[PeriodMap]) -> float:
-    """Return by how much all reaching gains may be multiplied until a loop leaves its border.
+def _growth_to_instability(maps: list[PeriodMap]) -> float:
+    """Return by how much all reaching gains may be multiplied until a loop becomes unstable.
 
     Of a loop that is not stable it is the factor below, or else above 1 that makes it so, where
     the gains are too weak; 0 where none does.

@@ -349,7 +349,7 @@ def test_a_refused_browser_reads_the_way_out(local: Guarded, remote: Guarded) ->
     answer = remote.ask("GET", "/", **HTML)
     assert answer.status_code == 401
     assert answer.headers["content-type"].startswith("text/html")
-    assert "open the address that the server printed" in answer.text
+    assert "open the address that it printed" in answer.text
     assert "refresh" not in answer.text
     wrong = local.ask("GET", "/", host="<b>", **HTML)
     assert wrong.status_code == 403

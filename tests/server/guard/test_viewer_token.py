@@ -168,7 +168,7 @@ def test_no_route_changes_anything_for_a_viewer(shared: Served, viewer: httpx.Cl
         assert answer.status_code == 403, (method, path)
         error = answer.json()["error"]
         assert (error["code"], error["fields"]) == ("watch_only", [])
-        assert "changes nothing" in error["message"]
+        assert "not change anything" in error["message"]
     assert shared.http.get("/api/experiment").json() == before
 
 
@@ -223,7 +223,7 @@ def test_a_viewer_is_told_that_its_messages_do_nothing(
         refusal = hear(client, "error", "patch")
         assert (refusal["type"], refusal["id"]) == ("error", "mine")
         assert refusal["error"]["code"] == "watch_only"
-        assert "changes nothing" in refusal["error"]["message"]
+        assert "not change anything" in refusal["error"]["message"]
         hear(client, "state")  # the line stays open
     assert standing() == before
 

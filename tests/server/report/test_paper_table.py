@@ -105,4 +105,4 @@ def test_the_printed_table_holds_all_cells_and_says_what_failed(runs: dict[str, 
     text = output.getvalue()
     for row in comparison(runs):
         assert all(cell.text() in text for cell in row.cells)
-    assert "Could not be reproduced" in text
+    assert "Not reproduced" in text

@@ -24,7 +24,7 @@ def test_one_browser_more_than_may_see_the_scene_is_asked_to_try_later(
                     await late.recv()
                 assert closed.value.rcvd is not None
                 assert closed.value.rcvd.code == 1013
-                assert "show the 3D scene already" in closed.value.rcvd.reason
+                assert "are showing the 3D scene already" in closed.value.rcvd.reason
             await second.close()
             async with asyncio.timeout(20.0):
                 while not await answers(address):
