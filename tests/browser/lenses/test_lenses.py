@@ -269,7 +269,7 @@ def test_noise_of_the_sensors_is_not_called_chattering(page: Page, dashboard: Da
     page.get_by_role("tab", name="Sliding mode").click()
     turning = card(page, "Does V fall?")
     expect(turning.locator(".lens-facts")).to_contain_text("without sensor noise")
-    expect(turning).to_contain_text("it is the noise that trembles")
+    expect(turning).to_contain_text("that is measurement noise, not switching")
     expect(turning).not_to_contain_text("chattering")
 
 

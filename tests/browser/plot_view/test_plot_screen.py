@@ -21,10 +21,9 @@ SHOWS = """([graph, ends, slack]) => (
   graph.layout.xaxis.range.every((end, index) => Math.abs(end - ends[index]) < slack)
 )"""
 MOVES_ALONG = """() => {
-  const [from, to] = document.querySelector('#plots .plots-graph').layout.xaxis.range;
-  if (to - from > 3) return false;
-  window.began ??= from;
-  return from > window.began;
+  const {layout, data} = document.querySelector('#plots .plots-graph');
+  const [from, to] = layout.xaxis.range;
+  return to - from < 3 && data.some(({x}) => x?.length && x[x.length - 1] > to - 0.05);
 }"""
 """The window is 2 s long, and full: it ends at the newest sample."""
 TAKE_LONG = """() => {
