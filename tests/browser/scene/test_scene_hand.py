@@ -77,6 +77,17 @@ def difference(page: Page, before: Array) -> float:
     return float((np.abs(picture(page) - before) > 30.0).mean())
 
 
+def until_still(page: Page) -> None:
+    """Wait until the scene is drawn and its camera has come to rest."""
+    end = time.monotonic() + DEADLINE
+    before = picture(page)
+    page.wait_for_timeout(500)
+    while before.std() < 1.0 or difference(page, before) > 0.0:
+        assert time.monotonic() < end, "the scene did not come to rest"
+        before = picture(page)
+        page.wait_for_timeout(500)
+
+
 def pushed(page: Page, scene: ViserClient, start: tuple[float, float], shift: bool) -> Array | None:
     """Drag; return where the arrow of the push begins, or nothing if there was none for long."""
     with drag(page, start, shift):
@@ -110,6 +121,7 @@ def test_shift_pushes_the_arm_where_it_is_taken_and_v_brings_the_camera_home(
     page.goto(dashboard.url)
     inside = page.frame_locator(".scene-frame")
     expect(inside.locator("canvas").first).to_be_visible()
+    until_still(page)
     taken = upper_arm()
     start = pixel(page, taken)
     with ViserClient(urlsplit(dashboard.url).port or 80, "/scene/") as scene:
