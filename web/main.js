@@ -59,6 +59,6 @@ keepFocusOffPressed();
 api.addEventListener('notice', (event) => tell(/** @type {CustomEvent} */ (event).detail.message));
 history.addEventListener('refused', (event) => {
   const {message} = /** @type {CustomEvent} */ (event).detail;
-  tell(`Not possible any more: ${message}`, {error: true});
+  tell(`No longer possible: ${message}`, {error: true});
 });
 api.connect();

@@ -8,7 +8,7 @@ const WORDS = {reset: 'reset', change: 'last change', added: 'new lane', branch:
 const MEANINGS = {
   reset: 'since the session was reset or loaded',
   change: 'since this lane’s law or gains, or what all lanes share, changed last: the dotted line '
-    + 'at this time in the live plots. Another name changes nothing',
+    + 'at this time in the live plots. Renaming does not count',
   added: 'since this lane was added; where it continues another one, it counts from then on',
   branch: 'since the session went back to this moment',
 };

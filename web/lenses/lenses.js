@@ -231,8 +231,8 @@ class Lenses {
 
   #waiting() {
     if (!isWatching()) return 'Computing the whole response …';
-    return `The owner has not looked at ${this.#api.selected} through this lens yet. `
-      + 'As soon as that happens, it is here as well.';
+    return `The owner has not opened this lens for ${this.#api.selected} yet. `
+      + 'It appears here as soon as they do.';
   }
 
   /**

@@ -126,7 +126,7 @@ function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, hi
  */
 function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
   if (coverage < 0.9) {
-    return `For ${percent(1 - coverage)} of the run no Gaussian is active: there the network is blind. `
+    return `For ${percent(1 - coverage)} of the run no Gaussian is active: there the network does not respond. `
       + 'Wider ones, or centres that span the inputs, would help.';
   }
   if (nodes < ONE_NODE) {

@@ -126,7 +126,7 @@ function restless({turns, quiet_turns: quiet, outside}, gains) {
   const often = `V turns ${threeDigits(turns)} times a second`;
   const apart = quiet === null ? '' : `, and ${threeDigits(quiet)} times without sensor noise`;
   if (quiet !== null && quiet <= RESTLESS) {
-    return `${often}${apart}: that is measurement noise, not switching. S is only as calm as `
+    return `${often}${apart}: that is measurement noise, not switching. S is only as smooth as `
       + 'it is measured.';
   }
   if (!switches(gains)) {

@@ -16,7 +16,7 @@ import {holdOf, spectrumPanels, timePanels} from '../curves/panel_curves.js';
 export class LiveSource {
   key = 'plots';
   views = VIEWS;
-  words = {toolbar: 'Plot settings', table: 'every sample in sight, all joints'};
+  words = {toolbar: 'Plot settings', table: 'every visible sample, all joints'};
   #api;
   #telemetry;
 

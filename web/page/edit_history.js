@@ -19,7 +19,7 @@ const AGES_MS = 5000;
 const WIDTH = 380;
 const LONGEST = 32;
 /** Authors that are no browser. */
-const NAMES = new Map([['', 'the server'], ['http', 'a program'], ['history', 'somebody’s way back']]);
+const NAMES = new Map([['', 'the server'], ['http', 'a program'], ['history', 'return to an earlier edit']]);
 
 /**
  * A button that opens the list; the event `edits` does so, too.
@@ -149,7 +149,7 @@ class EditPanel {
   async #restore(number) {
     this.#alert.textContent = '';
     try {
-      await this.#history.travelTo(`way back to edit ${number}`, () => this.#api.restoreEdit(number));
+      await this.#history.travelTo(`return to edit ${number}`, () => this.#api.restoreEdit(number));
       // The news of it may have been drawn before the answer said whose it is.
       await this.#refresh();
     } catch (error) {

@@ -63,7 +63,7 @@ class Scrub {
       },
     });
     this.#fork = element('button', {
-      class: 'button small', type: 'button', title: 'A new lane that goes on from this moment',
+      class: 'button small', type: 'button', title: 'A new lane that continues from this moment',
       on: {click: () => this.#branch()},
     }, icon('fork'), 'Fork here…');
     this.#now = element('button', {
@@ -183,9 +183,9 @@ class Scrub {
     const origin = this.#api.selected;
     if (time === null) return;
     const question = {
-      name: 'name', label: `Name of the lane that goes on from ${origin}`, required: true,
+      name: 'name', label: `Name of the lane that continues from ${origin}`, required: true,
       length: BOUNDS.lane_name, value: this.#free(origin),
-      hint: `All lanes go back to t = ${time.toFixed(1)} s and go on from there. The new one begins `
+      hint: `All lanes go back to t = ${time.toFixed(1)} s and continue from there. The new one starts `
         + 'with the same gains; tune it as usual.',
     };
     ask('Fork here', [question], 'Fork', async ({name}) => {
