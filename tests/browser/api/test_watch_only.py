@@ -145,7 +145,7 @@ def test_a_viewer_sees_the_owners_last_response_and_looks(
 
     page.get_by_role("tab", name="Lenses").click()
     lenses = page.locator(".lenses")
-    expect(lenses).to_contain_text("The owner has not looked at RBFNN-NFTSM through this lens yet")
+    expect(lenses).to_contain_text("The owner has not opened this lens for RBFNN-NFTSM yet")
     look = {"lane": "RBFNN-NFTSM", "lenses": ["sliding", "chattering"]}
     hand.post("/api/lens", json=look).raise_for_status()
     seen = lenses.locator(".lens-status")
