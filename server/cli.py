@@ -100,7 +100,7 @@ def run(
 ) -> None:
     """Run an experiment over its horizon and print the figures of every lane.
 
-    Ends with 0, with 2 where something is refused, and with 3 where a lane left its bounds.
+    Exit status: 0 on success, 2 if something is refused, 3 if a lane left its bounds.
     """
     from slidetune.robot.experiment.presets import load_preset
     from slidetune.server.report.output_file import check_outputs, write_output

@@ -4,7 +4,7 @@
 import {Api} from './api/api.js';
 import {mount as mountControls} from './experiment/panel.js';
 import {mountHeader} from './page/header.js';
-import {History} from './api/history.js';
+import {History} from './api/undo.js';
 import {mountImport} from './experiment/import_experiment.js';
 import {keyHandler} from './screen/keys.js';
 import {mount as mountLessons} from './lessons/lessons.js';

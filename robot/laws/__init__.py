@@ -5,8 +5,9 @@ from __future__ import annotations
 from slidetune.robot.laws import computed_torque, nftsm, rbfnn_nftsm, rbfnn_smc, smc
 from slidetune.robot.laws.law import Law
 
-LAWS: dict[str, Law] = {
-    law.name: law
-    for law in (rbfnn_nftsm.LAW, rbfnn_smc.LAW, nftsm.LAW, smc.LAW, computed_torque.LAW)
-}
+_ALL = (rbfnn_nftsm.LAW, rbfnn_smc.LAW, nftsm.LAW, smc.LAW, computed_torque.LAW)
+LAWS: dict[str, Law] = {law.name: law for law in _ALL}
 """Every law by name, in the order of the screen."""
+
+if len(LAWS) < len(_ALL):
+    raise ValueError("two laws have the same name: a copied file keeps the name of its original")

@@ -158,6 +158,28 @@ def test_presets_are_switched_from_the_menu(page: Page, dashboard: Dashboard) ->
         time.sleep(0.05)
 
 
+def test_what_undoes_a_preset_brings_the_initial_state_back(
+    page: Page, dashboard: Dashboard
+) -> None:
+    patch = {"simulation": {"initial_error": 0.1}}
+    dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
+    page.goto(dashboard.url)
+    page.locator(".preset-button").click()
+    page.locator(".preset-load", has_text="A realistic arm").click()
+    expect(page.locator(".preset-name")).to_have_text("realistic")
+    page.keyboard.press("Control+z")
+    expect(page.locator(".preset-name")).to_have_text("paper")
+
+    def greatest() -> list[float]:
+        lane = dashboard.client.get("/api/metrics").json()["lanes"].get("NFTSM", {})
+        return (lane.get("total") or {"max_error": [0.0]})["max_error"]
+
+    end = time.monotonic() + 20.0
+    while not greatest()[0] > 0.099 and time.monotonic() < end:
+        page.wait_for_timeout(50)
+    assert greatest() == pytest.approx([0.1] * 6, abs=0.01)
+
+
 def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(
     page: Page, dashboard: Dashboard
 ) -> None:

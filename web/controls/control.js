@@ -9,7 +9,7 @@ import {withUnit} from '../fields/quantity.js';
 import {attachTooltip, facts} from '../dom/tooltip.js';
 
 /** @typedef {import('../fields/schema.js').Field} Field */
-/** @typedef {{api: import('../api/api.js').Api, history: import('../api/history.js').History}} Context */
+/** @typedef {{api: import('../api/api.js').Api, history: import('../api/undo.js').History}} Context */
 
 const FLASH_MS = 700;
 

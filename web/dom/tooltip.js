@@ -36,7 +36,7 @@ export function facts({minimum, maximum, unit, log, odd, equation, source, appli
     all.push(['Range', `${written(minimum)} to ${withUnit(maximum, unit)}${kind}`]);
   }
   if (equation) all.push(['Equation', equation.replace(/^Eq\. /, '')]);
-  if (source) all.push(['Value', SOURCES[source] ?? source]);
+  if (source) all.push(['Default', SOURCES[source] ?? source]);
   if (applies) all.push(['Acts in', `${applies} mode`]);
   return all;
 }

@@ -3,7 +3,7 @@
 
 /**
  * @param {import('./notices.js').Tell} tell
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {string} text what was done last
  */
 export function tellWithUndo(tell, history, text) {

@@ -13,7 +13,7 @@ const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m
 
 /**
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  * @returns {() => void} opens the file picker
  */

@@ -17,7 +17,7 @@ const RESET_LANE = 'Restarts this lane where the trajectory is now, with the ini
 /**
  * @param {HTMLElement} place
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../fields/schema.js').Schema} schema
  * @param {import('../dom/notices.js').Tell} tell
  */
@@ -40,7 +40,7 @@ class LaneList {
   /**
    * @param {HTMLElement} place
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {number} most
    * @param {import('../dom/notices.js').Tell} tell
    */

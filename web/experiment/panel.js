@@ -20,7 +20,7 @@ const ORDER = ['Sliding surface', 'Reaching', 'RBF network', 'PD'];
 /**
  * @param {HTMLElement} place
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  */
 export function mount(place, api, history, tell) {
@@ -51,7 +51,7 @@ class Tuning {
   /**
    * @param {Schema} schema
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {import('../dom/notices.js').Tell} tell
    */
   constructor(schema, api, history, tell) {

@@ -27,7 +27,7 @@ export class Presets {
 
   /**
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {Tell} tell
    */
   constructor(api, history, tell) {

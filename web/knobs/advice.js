@@ -13,7 +13,7 @@ import {proposalButton} from './proposal.js';
  */
 /** @typedef {Advice & {lanes: string[]}} LaneAdvice with the lanes that it is about */
 /**
- * @typedef {{api: import('../api/api.js').Api, history: import('../api/history.js').History,
+ * @typedef {{api: import('../api/api.js').Api, history: import('../api/undo.js').History,
  *   names: import('../fields/field_names.js').FieldNames, tell: import('../dom/notices.js').Tell}} Desk
  */
 

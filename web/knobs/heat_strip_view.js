@@ -167,10 +167,11 @@ export class Strip {
   #summary() {
     const metric = this.#metric.chosen;
     const best = bestOf(this.rows, metric);
-    if (!best) return `no value of ${this.#name} holds`;
+    if (!best) return `no value of ${this.#name} is stable`;
     const figure = figureText(metric, /** @type {number} */ (best[metric.name]));
     if (!this.#matters) return `no effect: ${figure}`;
-    return `best near ${rounded(best.value, '')}: ${figure}`;
+    const calm = this.rows.some(({state}) => state === 'chattering') ? ' without chattering' : '';
+    return `best${calm} near ${rounded(best.value, '')}: ${figure}`;
   }
 }
 

@@ -9,7 +9,7 @@ import {StudyMetric} from './study_metric.js';
 import {Tornado} from './tornado.js';
 
 /**
- * @typedef {{api: import('../api/api.js').Api, history: import('../api/history.js').History,
+ * @typedef {{api: import('../api/api.js').Api, history: import('../api/undo.js').History,
  *   tell: import('../dom/notices.js').Tell, schema: import('../fields/schema.js').Schema}} Desk
  */
 

@@ -6,7 +6,7 @@ import {leaves, valueAt} from '../fields/merge_patch.js';
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /**
- * @typedef {{history: import('../api/history.js').History, tell: import('../dom/notices.js').Tell,
+ * @typedef {{history: import('../api/undo.js').History, tell: import('../dom/notices.js').Tell,
  *   names: import('../fields/field_names.js').FieldNames}} Desk
  */
 

@@ -9,7 +9,7 @@ import {LEAST, effectOf, keyOf, kindOf, knobsOf, wordsOf, wordsOfNow} from './to
 /** @typedef {import('../fields/field_names.js').FieldNames} FieldNames */
 /** @typedef {import('./study_metric.js').StudyRow} StudyRow */
 /**
- * @typedef {{api: import('../api/api.js').Api, history: import('../api/history.js').History,
+ * @typedef {{api: import('../api/api.js').Api, history: import('../api/undo.js').History,
  *   metric: import('./study_metric.js').StudyMetric, names: FieldNames}} Desk
  */
 /** @typedef {import('./tornado_words.js').Knob} Knob */

@@ -217,7 +217,7 @@ function finding(points, mode) {
   }
   const bend = knee(points);
   const turn = bend ? ` The knee is at ${told(bend)}: a thinner layer adds much chattering for little `
-    + 'accuracy, a wider one loses accuracy for little less chattering.' : '';
+    + 'accuracy, a wider one costs accuracy and hardly reduces chattering.' : '';
   return `Most accurate is ${told(exact)}, quietest ${told(quiet)}.${turn}`;
 }
 

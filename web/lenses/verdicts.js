@@ -77,7 +77,7 @@ export function chatteringFinding({frequency, switches: count, above: torque, ma
 export function planeFinding(one, horizon, gains) {
   const {layer, reaching_time: reached, inside, time_constant: constant} = one;
   const slow = constant > horizon
-    ? ` On the line the error takes ${threeDigits(constant)} s to fall to a third, longer than this `
+    ? ` On the line the error takes ${threeDigits(constant)} s to fall to 37 %, longer than this `
       + `run of ${threeDigits(horizon)} s: it hardly converges.` : '';
   if (!layer) return `This law has no boundary layer: it pulls in proportion to S.${slow}`;
   if (reached === null) {

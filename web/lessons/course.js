@@ -41,7 +41,7 @@ export class Course {
 
   /**
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {Lesson} lesson
    * @param {Standing} standing
    */

@@ -12,7 +12,7 @@ import {tellWithUndo} from '../dom/undo_notice.js';
 /**
  * @param {HTMLElement} workspace where the panel goes; it has the class `has-lesson` meanwhile
  * @param {Api} api the event `learn` opens the list
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  */
 export function mount(workspace, api, history, tell) { new Lessons(workspace, api, history, tell); }
@@ -30,7 +30,7 @@ class Lessons {
   /**
    * @param {HTMLElement} workspace
    * @param {Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {import('../dom/notices.js').Tell} tell
    */
   constructor(workspace, api, history, tell) {

@@ -90,8 +90,8 @@ export class LessonPanel {
     this.#head.replaceChildren(element('h2', {class: 'lesson-name'}, 'Lessons'),
       this.#fold, this.#close());
     this.#body.replaceChildren(
-      element('p', {class: 'lesson-hint'}, 'Each sets the experiment itself, asks what you '
-        + 'expect and shows what happens. Afterwards everything is as it was.'),
+      element('p', {class: 'lesson-hint'}, 'Each sets up its own experiment, asks what you '
+        + 'expect and shows what happens. Yours is restored afterwards.'),
       element('ol', {class: 'lesson-list'}, ...rows.map((row) => this.#row(row))),
     );
     this.#foot.replaceChildren();

@@ -68,7 +68,7 @@ export class LessonQuestion {
     });
     const right = guess === answer;
     const verdict = guess === null ? `What happens: ${choices[answer]}.`
-      : right ? 'Right.' : `Not this time. What happens: ${choices[answer]}.`;
+      : right ? 'Right.' : `Not quite. What happens: ${choices[answer]}.`;
     this.#reveal.replaceChildren(
       element('p', {class: right ? 'lesson-verdict is-right' : 'lesson-verdict'},
         guess === null ? null : icon(right ? 'check' : 'close'), element('strong', {}, verdict)),

@@ -25,7 +25,7 @@ const NAMES = new Map([['', 'the server'], ['http', 'a program'], ['history', 'r
  * A button that opens the list; the event `edits` does so, too.
  *
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @returns {HTMLButtonElement}
  */
 export function editsButton(api, history) { return new EditPanel(api, history).button; }
@@ -45,7 +45,7 @@ class EditPanel {
 
   /**
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    */
   constructor(api, history) {
     this.#api = api;

@@ -25,7 +25,7 @@ function tool(name, label, title, run) {
 /**
  * @param {HTMLElement} place
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../experiment/presets.js').Presets} presets
  * @param {() => void} chooseFile
  */
@@ -55,7 +55,7 @@ export function mountHeader(place, api, history, presets, chooseFile) {
 
 /**
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  */
 function historyTools(api, history) {
   const undo = tool('undo', 'Undo', 'Undo', () => { history.undo(); });

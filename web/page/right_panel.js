@@ -12,7 +12,7 @@ import {mount as mountResponse} from '../response/response.js';
  * What a view may use beside the server: whole responses, undo, presets, and a word in the corner.
  * @typedef {{preview: import('../api/preview.js').Preview,
  *   before: import('../response/before.js').ResponseBefore,
- *   history: import('../api/history.js').History, presets: import('../experiment/presets.js').Presets,
+ *   history: import('../api/undo.js').History, presets: import('../experiment/presets.js').Presets,
  *   tell: import('../dom/notices.js').Tell}} Desk
  */
 /**

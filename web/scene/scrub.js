@@ -14,7 +14,7 @@ const STEP = 0.1;
 /**
  * @param {HTMLElement} place the bar with play and pause
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  */
 export function mountScrub(place, api, history, tell) { new Scrub(place, api, history, tell); }
@@ -42,7 +42,7 @@ class Scrub {
   /**
    * @param {HTMLElement} place
    * @param {import('../api/api.js').Api} api
-   * @param {import('../api/history.js').History} history
+   * @param {import('../api/undo.js').History} history
    * @param {import('../dom/notices.js').Tell} tell
    */
   constructor(place, api, history, tell) {

@@ -93,7 +93,7 @@ export function showKeys() {
 
 /**
  * @param {import('../api/api.js').Api} api
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  * @returns {(event: KeyboardEvent) => void} does what a key asks for
  */
 export function keyHandler(api, history) {
@@ -153,7 +153,7 @@ function joint(key, api) {
 
 /**
  * @param {KeyboardEvent} event
- * @param {import('../api/history.js').History} history
+ * @param {import('../api/undo.js').History} history
  */
 function travel({key, shiftKey}, history) {
   const letter = key.toLowerCase();

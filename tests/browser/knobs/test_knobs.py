@@ -95,7 +95,7 @@ def test_a_strip_leaves_with_the_pointer_and_comes_with_the_keyboard(screen: Pag
             break
         screen.keyboard.press("Tab")
     aloud = control(screen, path).locator(".control-input [role=status]")
-    expect(aloud).to_contain_text(re.compile("best near|no difference"), timeout=SLOW)
+    expect(aloud).to_contain_text(re.compile("best near|no effect"), timeout=SLOW)
 
 
 def test_a_strip_of_another_experiment_is_not_shown(dashboard: Dashboard, screen: Page) -> None:
@@ -119,7 +119,7 @@ def test_a_joint_has_a_strip_of_its_own_share(dashboard: Dashboard, screen: Page
     words = second.locator(".heat-words")
     expect(words).to_contain_text("ν of J2", timeout=SLOW)
     expect(second.locator(".heat-best")).to_contain_text(
-        re.compile("best near|no difference"), timeout=SLOW
+        re.compile("best near|no effect"), timeout=SLOW
     )
     rows = study(dashboard, "strip", lane=PROPOSED, field="nu", count=20, joint=2)
     best = min((row for row in rows if row["state"] == "good"), key=lambda row: row["mae"])
@@ -139,7 +139,7 @@ def test_a_joint_has_a_strip_of_its_own_share(dashboard: Dashboard, screen: Page
     screen.keyboard.press("Tab")
     expect(third.locator(".slider")).to_be_focused()
     expect(third.locator("[role=status]")).to_contain_text(
-        re.compile("best near|no difference"), timeout=SLOW
+        re.compile("best near|no effect"), timeout=SLOW
     )
 
 

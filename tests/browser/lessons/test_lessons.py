@@ -67,7 +67,7 @@ def test_the_lesson_on_chattering_goes_to_its_end_and_back(
             guess = question["answer"] if number % 2 else 0
             page.locator(".lesson-choice").nth(guess).click()
             page.get_by_role("button", name="See what happens").click()
-            verdict = "Right." if guess == question["answer"] else "Not this time."
+            verdict = "Right." if guess == question["answer"] else "Not quite."
             expect(page.locator(".lesson-verdict")).to_contain_text(verdict)
             expect(page.locator(".lesson-choice.is-answer")).to_contain_text("what happens")
             expect(page.locator(".lesson-reveal")).to_contain_text(question["explanation"][0][:40])

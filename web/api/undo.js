@@ -134,7 +134,10 @@ export class History extends EventTarget {
     }
     const loaded = await this.#api.loadPreset(preset);
     const rest = difference(loaded.experiment, experiment);
-    if (Object.keys(rest).length) await this.#api.change(rest);
+    if (!Object.keys(rest).length) return;
+    await this.#api.change(rest);
+    // The state begins as this experiment has it, not as the preset does.
+    this.#api.reset();
   }
 
   /**
