@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError, unknown_lane
@@ -61,7 +62,7 @@ def _refuse_unknown(changes: Mapping[str, Any], before: Mapping[str, Any]) -> No
     """Refuse gains for a lane that isn't there: it is misspelt, or a new one without its law."""
     way_out = f". A new lane needs its law, one of {', '.join(LAWS)}"
     unknown = [
-        unknown_lane(f"lanes.{name}", name, before, way_out)
+        replace(unknown_lane(f"lanes.{name}", name, before, way_out), value=None)
         for name, change in changes.items()
         if name not in before and isinstance(change, Mapping) and "law" not in change
     ]

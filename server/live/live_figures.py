@@ -8,6 +8,7 @@ is what one wants to see.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import floor
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ from slidetune.server.live.telemetry import Channel
 
 Array = np.ndarray
 
+ROUNDING = 1e-6
+"""Part of a row by which its time may be off (*ours*)."""
 _SHARED = ("robot", "trajectory", "disturbance", "simulation")
 """Sections that belong to every lane's closed loop."""
 
@@ -50,7 +53,9 @@ class LiveFigures:
         for name, metrics in self.lanes.items():
             freeze = loop.lanes[name].freeze
             # A lane that stands still has no figures: the rows after its last are only held.
-            ran = len(rows) if freeze is None else round((freeze.time - time) / loop.period) + 1
+            ran = len(rows)
+            if freeze is not None:
+                ran = floor((freeze.time - time) / loop.period + ROUNDING) + 1
             if ran > 0:
                 metrics.add(rows[:ran], time, loop.period)
 

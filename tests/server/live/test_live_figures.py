@@ -143,6 +143,16 @@ def test_a_lane_that_stands_still_keeps_its_figures_until_a_reset(tuning: Tuning
     assert tuning.since("A") == (0, "reset")
 
 
+def test_longer_steps_right_after_a_stop_change_none_of_its_figures(tuning: Tuning) -> None:
+    tuning.change({"simulation": {"mode": "sampled", "control_rate": 2000.0}})
+    while tuning.session.loop.lanes["A"].freeze is None:
+        tuning.step(1)
+    before = tuning.session.figures.document()["A"]["total"]
+    tuning.change({"simulation": {"control_rate": 50.0}})
+    tuning.step(1)
+    assert tuning.session.figures.document()["A"]["total"] == before
+
+
 def test_one_lane_is_reset_where_the_trajectory_is_and_the_others_go_on(tuning: Tuning) -> None:
     patch = {
         "lanes": {"A": {"k1": 400.0}},
