@@ -42,7 +42,8 @@ def _digest() -> str:
     digest = hashlib.sha256(f"{numba.__version__} {Path(__file__)}".encode())
     for path in sorted(_ROBOT.rglob("*.py")):
         content = path.read_bytes()
-        if b"@kernel" in content or path.relative_to(_ROBOT).as_posix() in _CONSTANTS:
+        compiled = b"@kernel" in content or b"@inlined" in content
+        if compiled or path.relative_to(_ROBOT).as_posix() in _CONSTANTS:
             digest.update(content)
     return digest.hexdigest()[:16]
 

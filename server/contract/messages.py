@@ -178,7 +178,12 @@ class Kick(Strict):
     """A push of all lanes' joints."""
 
     torque: SixTorques = Field(KICK, description="Torque by joint [N·m], each within ±1000.")
-    duration: float = Field(KICK_DURATION, gt=0.0, le=10.0, description="How long it lasts [s].")
+    duration: float = Field(
+        KICK_DURATION,
+        gt=0.0,
+        le=10.0,
+        description="How long it lasts [s]; rounded up to whole control steps.",
+    )
 
 
 class Reset(Strict):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
@@ -13,6 +15,8 @@ Array = np.ndarray
 
 KICK = (60.0, 60.0, 40.0, 10.0, 5.0, 2.0)
 """Torque of a kick where none is given in [N m] (*ours*)."""
+ROUNDING = 1e-6
+"""Part of a step by which the end of a kick may be off (*ours*)."""
 KICK_DURATION = 0.1
 """How long a kick lasts where nothing is said in [s] (*ours*)."""
 
@@ -40,16 +44,22 @@ class Push:
         if time <= self._begin:
             self.clear()
 
-    def apply(self, loop: ClosedLoop, pull: Pull | None) -> None:
+    def apply(self, loop: ClosedLoop, pull: Pull | None, count: int) -> int:
         r"""Set the push of every lane for its next steps: the kick plus :math:`J^T f`.
 
         Args:
             loop: the closed loop.
             pull: the force on the same point of every lane's arm, or ``None``.
+            count: how many steps are to be made.
+
+        Returns:
+            How many of them to make before it is set again: a kick ends between two of them.
         """
-        kicked = loop.time < self._until
+        rest = ceil((self._until - loop.time) / loop.period - ROUNDING)
+        kicked = rest > 0
+        steps = min(count, rest) if kicked else count
         if not (kicked or pull is not None or self._active):
-            return
+            return steps
         self._active = kicked or pull is not None
         model = loop.packed.model
         data = model.createData() if pull is not None else None
@@ -58,3 +68,4 @@ class Push:
             if pull is not None:
                 torque += pull.grip.torque(model, data, lane.work[Q], pull.force)
             lane.work[PUSH] = torque
+        return steps

@@ -317,11 +317,14 @@ class Session:
     def _advance(self, count: int) -> None:
         """Make ``count`` steps and publish their rows."""
         loop, time, first = self.loop, self.loop.time, self.loop.number
-        self._push.apply(loop, self.view.pull() if self.view is not None else None)
+        pull = self.view.pull() if self.view is not None else None
         frozen = sum(lane.freeze is not None for lane in loop.lanes.values())
-        for _ in range(min(count, BUFFER)):
-            self.recorder.look(loop)
-            loop.step()
+        left = min(count, BUFFER)
+        while left:
+            left -= (part := self._push.apply(loop, pull, left))
+            for _ in range(part):
+                self.recorder.look(loop)
+                loop.step()
         rows = rows_of(loop, first, loop.number)
         self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)

@@ -23,7 +23,7 @@ FOLDER = Path(robot.__file__).parent
 KERNEL_FILES = [
     path
     for path in sorted(FOLDER.rglob("*.py"))
-    if any(line.startswith("@kernel") for line in path.read_text().splitlines())
+    if any(line.startswith(("@kernel", "@inlined")) for line in path.read_text().splitlines())
 ]
 
 

@@ -235,7 +235,7 @@ def test_a_pull_does_the_work_of_its_force_on_every_lane() -> None:
     for _ in range(50):
         loop.step()
     grip, force = Grip(FOREARM, np.array([0.1, 0.02, 0.03])), np.array([20.0, -7.0, 12.0])
-    Push().apply(loop, Pull(grip, force))
+    assert Push().apply(loop, Pull(grip, force), 16) == 16
     for lane in loop.lanes.values():
         q, step = lane.work[Q].copy(), 1e-6
         for joint, turn in enumerate(np.eye(6) * step):
