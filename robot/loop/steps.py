@@ -28,6 +28,8 @@ from slidetune.robot.kernels.workspace import (
     HALF,
     MEASURED_Q,
     MEASURED_V,
+    S_FALL,
+    S_FREE,
     TAU,
     Q,
     V,
@@ -235,8 +237,8 @@ def bind_step(
         ``step(t, number, row)``.
     """
     simulation = packed.experiment.simulation
-    # What another law left there is not this one's.
-    work[CURVE : CURVE + CURVE_ROWS] = 0.0
+    # What another law or mode left there is not this one's.
+    work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = 0.0
     if simulation.mode == "sampled":
         return sampled_step(law, packed, gains, work, record, commands)
     bind = extrapolated_step if simulation.scheme == "extrapolated" else plain_step

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from slidetune.robot.experiment.document import Experiment
@@ -113,6 +113,22 @@ def advance(loop: ClosedLoop, recorder: Recorder, steps: int) -> dict[str, np.nd
     return {name: lane.record[rows] for name, lane in loop.lanes.items()}
 
 
+CONTINUOUS_MEANWHILE: dict[str, Any] = {
+    "robot": {"armature": 0.3, "coulomb_friction": 1.0, "torque_limit": 60.0},
+    "lanes": {
+        "A": {"law": "rbfnn_nftsm", "k1": 400.0, "epsilon": 0.01},
+        "B": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "epsilon": 0.1},
+    },
+    "disturbance": {
+        "pulse": {"amplitude": 20.0, "start": 0.15, "duration": 0.003, "period": 0.05},
+        "sensor_noise": {"position": 1e-05},
+    },
+    "simulation": {"mode": "sampled", "control_rate": 330.0, "input_delay": 0.05},
+}
+"""A sampled loop whose last bits told that it had been continuous meanwhile."""
+
+
+@example(CONTINUOUS_MEANWHILE, DETOURS[-1], 0.0, 67)
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(any_settings(), st.sampled_from(DETOURS), st.floats(0.0, 0.35), st.integers(0, 150))
 def test_whatever_came_after_it_a_restored_moment_repeats_its_future_to_the_last_bit(
