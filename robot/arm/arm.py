@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
+import logging
+from functools import cache, lru_cache
 from math import cos, sin
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from slidetune.robot.arm.chain import checked_chain
 from slidetune.robot.arm.description import URDF_PATH
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 
 Array = np.ndarray
+
+log = logging.getLogger("slidetune.arm")
 
 FLANGE = "flange_link"
 DATASHEET_SCALE = 23.0 / 96.3935
@@ -55,7 +60,29 @@ def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pi
     return model
 
 
-def nominal_model(robot: Robot, mismatch: float) -> pin.Model | None:
+class Arm(NamedTuple):
+    """An arm in both forms; neither is changed.
+
+    Attributes:
+        model: for Pinocchio.
+        chain: for the compiled recursion, ``None`` where that does not agree with Pinocchio.
+    """
+
+    model: pin.Model
+    chain: Array | None
+
+
+@lru_cache(maxsize=64)
+def true_arm(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> Arm:
+    """Return an arm; the arguments are those of ``build_model``."""
+    model = build_model(robot, mismatch, payload)
+    chain = checked_chain(model)
+    if chain is None:
+        log.warning("The compiled recursion does not agree with Pinocchio: runs are stepped.")
+    return Arm(model, chain)
+
+
+def nominal_arm(robot: Robot, mismatch: float) -> Arm | None:
     """Return the nominal arm of a model-based law, or ``None`` if it is the true one.
 
     It knows the armature, no friction, and the payload only where ``payload.known`` says so.
@@ -63,7 +90,7 @@ def nominal_model(robot: Robot, mismatch: float) -> pin.Model | None:
     knows_payload = robot.payload.known or robot.payload.mass == 0.0
     if mismatch == 1.0 and knows_payload:
         return None
-    return build_model(robot, mismatch, payload=robot.payload.known)
+    return true_arm(robot, mismatch, robot.payload.known)
 
 
 @cache

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from slidetune.robot.arm.recursion import SCRATCH_COLUMNS
+
 Array = np.ndarray
 
 
@@ -45,3 +47,27 @@ def dynamics(model: pin.Model, q: Array, v: Array) -> Dynamics:
         bias(model, data, q, v)
 
     return Dynamics(model, data, refill, data.M.T, data.nle)
+
+
+class ChainDynamics(NamedTuple):
+    """An arm that a kernel evaluates by itself.
+
+    Attributes:
+        chain: what ``pack_chain`` returned. Shape (7, 24).
+        inertia: M, once evaluated. Shape (6, 6).
+        bias: h = C v + G, once evaluated. Shape (6,).
+        scratch: memory of the recursion. Shape (6, 22).
+    """
+
+    chain: Array
+    inertia: Array
+    bias: Array
+    scratch: Array
+
+
+def chain_of(chain: Array) -> ChainDynamics:
+    """Return the dynamics of a chain, zero until a kernel evaluates them."""
+    count = len(chain) - 1
+    return ChainDynamics(
+        chain, np.zeros((count, count)), np.zeros(count), np.zeros((count, SCRATCH_COLUMNS))
+    )

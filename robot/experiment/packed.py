@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.arm.arm import build_model, nominal_model
+from slidetune.robot.arm.arm import nominal_arm, true_arm
 from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.errors import FieldError, InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
@@ -27,7 +27,10 @@ class Packed:
         environment: see ``pack_environment``.
         gains: numbers of each lane's law.
         model: the true arm.
-        nominal: the arm that model-based laws refill_nominal in, ``None`` where it is the true one.
+        nominal: the arm that model-based laws know, ``None`` where it is the true one.
+        chain: the true arm for the compiled recursion, ``None`` where that does not agree with
+            Pinocchio.
+        nominal_chain: the same of the nominal arm.
     """
 
     experiment: Experiment
@@ -36,6 +39,8 @@ class Packed:
     gains: dict[str, Array]
     model: pin.Model
     nominal: pin.Model | None
+    chain: Array | None
+    nominal_chain: Array | None
 
 
 def pack(experiment: Experiment) -> Packed:
@@ -55,11 +60,15 @@ def pack(experiment: Experiment) -> Packed:
     environment = pack_environment(
         experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit
     )
+    truth = true_arm(robot)
+    nominal = nominal_arm(robot, experiment.disturbance.nominal_mismatch)
     return Packed(
         experiment=experiment,
         trajectory=pack_trajectory(trajectory, turn),
         environment=environment,
         gains={name: lane.pack() for name, lane in experiment.lanes.items()},
-        model=build_model(robot),
-        nominal=nominal_model(robot, experiment.disturbance.nominal_mismatch),
+        model=truth.model,
+        nominal=None if nominal is None else nominal.model,
+        chain=truth.chain,
+        nominal_chain=None if nominal is None else nominal.chain,
     )

@@ -104,6 +104,16 @@ class Simulation(Section):
         return self.step if self.mode == "continuous" else 1.0 / self.control_rate
 
     @property
+    def rows(self) -> int:
+        """Rows of a result, both ends of the horizon included."""
+        return round(self.horizon / self.row_period) + 1
+
+    @property
+    def arm_step(self) -> float:
+        """Step of the arm in [s]."""
+        return self.row_period / self.plant_substeps if self.mode == "sampled" else self.step
+
+    @property
     def hold(self) -> float:
         """For so long a torque is held in [s]; 0 where nothing is sampled."""
         return self.row_period if self.mode == "sampled" else 0.0

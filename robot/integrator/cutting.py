@@ -1,19 +1,21 @@
-"""Makes a step in parts where its own error is too great."""
+"""Makes a step in parts where its own error is too great.
+
+What is made next is decided here; the step itself is made by the loop that asks.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf
 
 import numpy as np
 
 from slidetune.robot.integrator.implicit_step import STUCK
+from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, loop_arrays
+from slidetune.robot.integrator.law_call import RAISED
+from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import CAPPED, CUT, ERRORS, OVER, RESIGNED, TALLY, WRONG
 
 Array = np.ndarray
-Settle = Callable[[float, float], None]
-Step = Callable[[float, int, int], int]
-"""``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
 
 NO_ROW = -1
 """Row of a step that is only part of one: nothing is recorded."""
@@ -31,105 +33,137 @@ RUN_STUCK = 0.5
 LIVE_STUCK = 0.02
 """The same of a live session (*ours*)."""
 
+# Numbers of a cutting: how far a lane's steps may be cut, how much of that is left, and the parts
+# of the step that is being made.
+MOST, REFILL, LOOSENESS, LEFT, UNSOLVABLE, FILLED, WHOLE, DEPTH, FROM, LAST, RESULT = range(11)
+PENDING = 11  # parts still to be made: time [s], length [s] and how often it may be halved
+PENDING_SIZE = 3
+MOST_HALVINGS = 30
+CUTTING_SIZE = PENDING + PENDING_SIZE * (MOST_HALVINGS + 1)
 
-class Cutting:
-    """How far a lane's steps may be cut, and how much of that is left: a token bucket.
 
-    Attributes:
+def cutting_of(
+    halvings: int = HALVINGS,
+    left: float = LIVE_BURST,
+    refill: float = LIVE_PARTS,
+    tolerance: float = 1.0,
+    stuck: float = LIVE_STUCK * LIVE_BURST,
+) -> Array:
+    """Return how far a lane's steps may be cut: a token bucket; by default as in a live session.
+
+    Args:
         halvings: how often one step may be halved.
         left: how many parts the rows may still have together, beyond one each.
         refill: by how many parts that grows with every row, up to ``LIVE_BURST``.
         tolerance: how many times its tolerance the error of a step may be.
         stuck: how many attempts may still fail to be solved; it grows with every row of a live
             session as well. Then a step that isn't solved is not cut any more, and counted.
+
+    Returns:
+        Numbers for ``begin_parts``. Shape (CUTTING_SIZE,).
     """
-
-    def __init__(
-        self,
-        halvings: int = HALVINGS,
-        left: float = LIVE_BURST,
-        refill: float = LIVE_PARTS,
-        tolerance: float = 1.0,
-        stuck: float = LIVE_STUCK * LIVE_BURST,
-    ) -> None:
-        """Set all five; by default as a live session has them."""
-        self.halvings, self.left, self.refill = halvings, left, refill
-        self.tolerance, self.stuck = tolerance, stuck
-        self._filled = 0.0
-
-    @classmethod
-    def of_whole_run(cls, rows: int, tolerance: float = 1.0) -> Cutting:
-        """Return what a run of so many rows may take (*ours*)."""
-        parts, stuck = RUN_PARTS * rows, RUN_STUCK * rows
-        return cls(left=parts, refill=0.0, tolerance=tolerance, stuck=stuck)
-
-    @property
-    def buckets(self) -> tuple[float, float, float]:
-        """What is left of parts and of failed attempts, and until when they are filled in [s]."""
-        return self.left, self.stuck, self._filled
-
-    @buckets.setter
-    def buckets(self, buckets: tuple[float, float, float]) -> None:
-        self.left, self.stuck, self._filled = buckets
-
-    def fill(self, t: float, h: float) -> None:
-        """Add what the rows of length ``h`` until ``t`` are worth."""
-        if self.refill > 0.0:
-            rows = max(0.0, (t - self._filled) / h)
-            self.left = min(LIVE_BURST, self.left + self.refill * rows)
-            self.stuck = min(LIVE_STUCK * LIVE_BURST, self.stuck + LIVE_STUCK * rows)
-        self._filled = t
+    cutting = np.zeros(CUTTING_SIZE)
+    cutting[[MOST, REFILL, LOOSENESS]] = halvings, refill, tolerance
+    cutting[[LEFT, UNSOLVABLE]] = left, stuck
+    return cutting
 
 
-class Parts:
-    """Makes a refused step in parts, each as long as its own error allows."""
+def cutting_of_whole_run(rows: int, tolerance: float = 1.0) -> Array:
+    """Return what a run of so many rows may take (*ours*)."""
+    parts, stuck = float(RUN_PARTS * rows), RUN_STUCK * rows
+    return cutting_of(left=parts, refill=0.0, tolerance=tolerance, stuck=stuck)
 
-    def __init__(self, settle: Settle, attempt: Step, h: float, cutting: Cutting, work: Array):
-        """Bind what makes a part.
 
-        Args:
-            settle: sets length and tolerance of what follows: ``(h, tolerance)``.
-            attempt: makes a step from the current state: ``(t, number, row) -> 0, joint,
-                REFUSED or STUCK``.
-            h: length of a whole step in [s].
-            cutting: how far it may go.
-            work: the lane's workspace, whose TALLY counts.
-        """
-        self._settle, self._attempt, self._h, self._cutting = settle, attempt, h, cutting
-        self._tally, self._errors = work[TALLY], work[ERRORS]
-        settle(h, cutting.tolerance)
+BUCKETS = slice(LEFT, WHOLE)
+"""Numbers of a cutting that the next steps depend on besides its settings."""
 
-    def make(self, t: float, row: int) -> int:
-        """Make the step from ``t`` that is recorded in ``row``; return 0 or 1 + bad joint."""
-        h, cutting = self._h, self._cutting
-        self._tally[CUT] += 1.0
-        self._errors[OVER] = 0.0
-        cutting.fill(t, h)
-        if cutting.halvings <= 0:
-            bad = self._part(t, row, h, 0)
-        else:
-            bad = self._halves(t, row, h, cutting.halvings)
-        if self._errors[OVER] > 1.0:
-            self._tally[CAPPED] += 1.0
-        self._settle(h, cutting.tolerance)
-        self._errors[RESIGNED] = 0.0
-        return bad
 
-    def _halves(self, t: float, row: int, h: float, halvings: int) -> int:
-        half = 0.5 * h
-        # The first part says what torque the row begins with.
-        bad = self._part(t, row, half, halvings - 1)
-        return bad or self._part(t + half, NO_ROW, half, halvings - 1)
+@kernel
+def _fill(t, h, cutting):  # type: ignore[no-untyped-def]
+    """Add what the rows of length ``h`` until ``t`` are worth."""
+    if cutting[REFILL] > 0.0:
+        rows = max(0.0, (t - cutting[FILLED]) / h)
+        cutting[LEFT] = min(LIVE_BURST, cutting[LEFT] + cutting[REFILL] * rows)
+        more = cutting[UNSOLVABLE] + LIVE_STUCK * rows
+        cutting[UNSOLVABLE] = min(LIVE_STUCK * LIVE_BURST, more)
+    cutting[FILLED] = t
 
-    def _part(self, t: float, row: int, h: float, halvings: int) -> int:
-        self._cutting.left -= 1.0
-        last = halvings <= 0 or self._cutting.left < 0.0
-        self._settle(h, inf if last else self._cutting.tolerance)
-        self._errors[RESIGNED] = 1.0 if self._cutting.stuck <= 0.0 else 0.0
-        bad = self._attempt(t, 0, row)
-        if bad == STUCK:
-            self._cutting.stuck -= 1.0
-        if last:
-            self._errors[OVER] = max(self._errors[OVER], self._errors[WRONG])
-            return bad
-        return self._halves(t, row, h, halvings) if bad else 0
+
+@kernel
+def _pend(t, h, halvings, cutting):  # type: ignore[no-untyped-def]
+    """Put a part on top of those to be made; the one on top is next."""
+    place = PENDING + PENDING_SIZE * int(cutting[DEPTH])
+    cutting[place], cutting[place + 1], cutting[place + 2] = t, h, halvings
+    cutting[DEPTH] += 1.0
+
+
+@kernel
+def begin_parts(t, cutting, table):  # type: ignore[no-untyped-def]
+    """Begin to make the step from ``t`` [s] of the table's length in parts, after it was refused.
+
+    Args:
+        t: time in [s].
+        cutting: what ``cutting_of`` returned.
+        table: the lane's table.
+    """
+    _, _, _, _, work, _ = loop_arrays(table)
+    h, halvings = table.view(np.float64)[STEP], cutting[MOST]
+    work[TALLY, CUT] += 1.0
+    work[ERRORS, OVER] = 0.0
+    _fill(t, h, cutting)
+    cutting[WHOLE], cutting[DEPTH], cutting[RESULT] = h, 0.0, 0.0
+    if halvings <= 0.0:
+        _pend(t, h, 0.0, cutting)
+    else:
+        _pend(t + 0.5 * h, 0.5 * h, halvings - 1.0, cutting)
+        _pend(t, 0.5 * h, halvings - 1.0, cutting)
+
+
+@kernel
+def next_part(cutting, table):  # type: ignore[no-untyped-def]
+    """Prepare the next part: its length and tolerance in the table, its time in FROM [s].
+
+    Returns:
+        Whether there is one. When there is none, RESULT is 0 or 1 + the joint that left its bounds,
+        or RAISED, and the table is as it was before.
+    """
+    numbers = table.view(np.float64)
+    _, _, _, _, work, _ = loop_arrays(table)
+    if cutting[DEPTH] == 0.0 or cutting[RESULT] != 0.0:
+        if work[ERRORS, OVER] > 1.0:
+            work[TALLY, CAPPED] += 1.0
+        numbers[STEP], numbers[TOLERANCE] = cutting[WHOLE], cutting[LOOSENESS]
+        work[ERRORS, RESIGNED] = 0.0
+        return False
+    place = PENDING + PENDING_SIZE * int(cutting[DEPTH] - 1.0)
+    cutting[LEFT] -= 1.0
+    last = cutting[place + 2] <= 0.0 or cutting[LEFT] < 0.0
+    cutting[FROM], cutting[LAST] = cutting[place], 1.0 if last else 0.0
+    numbers[STEP] = cutting[place + 1]
+    numbers[TOLERANCE] = inf if last else cutting[LOOSENESS]
+    work[ERRORS, RESIGNED] = 1.0 if cutting[UNSOLVABLE] <= 0.0 else 0.0
+    return True
+
+
+@kernel
+def end_part(bad, cutting, table):  # type: ignore[no-untyped-def]
+    """Take note of what became of a part: if it has to be cut too, its halves come next.
+
+    Args:
+        bad: what the step returned: 0, 1 + joint, REFUSED, STUCK or RAISED.
+        cutting: what ``cutting_of`` returned.
+        table: the lane's table.
+    """
+    cutting[DEPTH] -= 1.0
+    place = PENDING + PENDING_SIZE * int(cutting[DEPTH])
+    if bad == STUCK:
+        cutting[UNSOLVABLE] -= 1.0
+    if cutting[LAST] != 0.0:
+        _, _, _, _, work, _ = loop_arrays(table)
+        work[ERRORS, OVER] = max(work[ERRORS, OVER], work[ERRORS, WRONG])
+    if bad == RAISED or (cutting[LAST] != 0.0 and bad != 0):
+        cutting[RESULT] = bad
+    elif bad != 0:
+        t, half, halvings = cutting[place], 0.5 * cutting[place + 1], cutting[place + 2] - 1.0
+        _pend(t + half, half, halvings, cutting)
+        _pend(t, half, halvings, cutting)

@@ -14,8 +14,9 @@ from math import inf, isfinite
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.implicit_solve import SOLVED, solve_curves
 from slidetune.robot.integrator.tangent import fill, follow_tanh, is_smooth, tangents_hold
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.elimination import solve, solve_symmetric
+from slidetune.robot.kernels.known_shape import square, workspace
 from slidetune.robot.kernels.workspace import (
     ACCELERATION,
     APPLIED,
@@ -117,6 +118,7 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
     Returns:
         What the equation leaves of the velocity in [rad/s]; above ``SOLVED`` it did not converge.
     """
+    work, inertia = workspace(work), square(inertia)
     work[FLAGS, HOLD] = 0.0
     fill(h, state, inertia, bias, work)
     left = _solve(h, state, inertia, bias, environment, work)
@@ -137,11 +139,12 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
 
 @kernel
 def arm_step(h, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
-    """One implicit Euler step of the arm alone under APPLIED, from CURRENT to FULL.
+    """One implicit Euler step of the arm alone under APPLIED, from CURRENT to FULL but for weights.
 
     Returns:
         What the equation leaves of the velocity in [rad/s].
     """
+    work, inertia = workspace(work), square(inertia)
     for i in range(JOINTS):
         for j in range(i, JOINTS):
             work[MATRIX + i, j] = inertia[i, j]
@@ -149,17 +152,16 @@ def arm_step(h, inertia, bias, environment, work):  # type: ignore[no-untyped-de
         work[DIAGONAL, i] = work[MATRIX + i, i]
         work[RIGHT, i] = work[APPLIED, i] - bias[i] - work[F, i]
     work[FLAGS, HOLD] = 1.0
-    left = _solve(h, CURRENT, inertia, bias, environment, work)
+    # A sum is no constant to numba, which compiles what is called anew for each of those.
+    left = _solve(h, CURRENT + Q, inertia, bias, environment, work)
     for j in range(JOINTS):
         v = work[CURRENT + V, j] + h * work[RIGHT, j]
         work[FULL + V, j] = v
         work[FULL + Q, j] = work[CURRENT + Q, j] + h * v
-        for n in range(NODES):
-            work[FULL + W + n, j] = work[CURRENT + W + n, j]
     return left
 
 
-@kernel
+@inlined
 def unsolved(left, tolerance, work):  # type: ignore[no-untyped-def]
     """Tell whether a step has to be cut because its equation was not solved.
 
@@ -178,7 +180,7 @@ def unsolved(left, tolerance, work):  # type: ignore[no-untyped-def]
     return False
 
 
-@kernel
+@inlined
 def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
     r"""Estimate what an extrapolated step got wrong, as a multiple of what it may.
 
@@ -206,7 +208,7 @@ def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
     return worst
 
 
-@kernel
+@inlined
 def within_bounds(state, work):  # type: ignore[no-untyped-def]
     """Return 0 for a state that may go on, else 1 + the joint that left its bounds."""
     # One sum a joint instead of ten questions: it isn't finite if a weight is not. Row by row, so
@@ -223,7 +225,19 @@ def within_bounds(state, work):  # type: ignore[no-untyped-def]
     return 0
 
 
-@kernel
+@inlined
+def accept_motion(work):  # type: ignore[no-untyped-def]
+    """Do as ``accept`` for a step of the arm alone, which leaves the weights as they are."""
+    for j in range(JOINTS):
+        if not (abs(work[FULL + Q, j]) <= MAX_ANGLE and abs(work[FULL + V, j]) <= MAX_VELOCITY):
+            return j + 1
+    for j in range(JOINTS):
+        work[CURRENT + Q, j] = work[FULL + Q, j]
+        work[CURRENT + V, j] = work[FULL + V, j]
+    return 0
+
+
+@inlined
 def accept(extrapolated, work):  # type: ignore[no-untyped-def]
     r"""Make the new state current if it is finite: ``2 y_half - y_full``, or ``y_full`` alone.
 

@@ -7,6 +7,7 @@ lane is bound, and a kernel takes that table.
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import numpy as np
@@ -15,19 +16,30 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
-from slidetune.robot.arm.dynamics import Dynamics
+from slidetune.robot.arm.dynamics import ChainDynamics, Dynamics
+from slidetune.robot.arm.recursion import CHAIN_COLUMNS, SCRATCH_COLUMNS, chain_dynamics
 from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
+from slidetune.robot.integrator.law_call import Control, call_back, call_law, callback, compiled_law
+from slidetune.robot.kernels.compiler import inlined, kernel
+from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS, Q, V
 
 Array = np.ndarray
 
+# Addresses.
 INERTIA, BIAS, NOMINAL_INERTIA, NOMINAL_BIAS, GAINS, ENVIRONMENT, TRAJECTORY, WORK, RECORD = range(
     9
 )
-STAGE, STEP, TOLERANCE, TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, SIZE = range(9, 16)
+COMMANDS, CHAIN, NOMINAL_CHAIN, SCRATCH, COMPILED_LAW, LAW_CALLBACK = range(9, 15)
+# Sizes, and the whole substeps of the input delay.
+TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(15, 20)
+# Numbers as float64.
+STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(20, 24)
+SIZE = 24
 ENVIRONMENT_SHAPE = (SENSOR + 1, JOINTS)
+CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
+SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
+NO_COMMANDS = np.empty((0, JOINTS))
 
 
 class _Kept:
@@ -39,15 +51,18 @@ class _Kept:
 
 
 def kernel_table(
-    truth: Dynamics,
-    nominal: Dynamics,
+    truth: Dynamics | ChainDynamics,
+    nominal: Dynamics | ChainDynamics,
     gains: Array,
     environment: Array,
     trajectory: Array,
     work: Array,
     record: Array,
-    stage: int = 0,
+    control: Control | None = None,
     step: float = 0.0,
+    period: float = 0.0,
+    commands: Array = NO_COMMANDS,
+    delay: tuple[int, float] = (0, 0.0),
 ) -> Array:
     """Return the table of a lane's arrays; they live as long as it does.
 
@@ -59,9 +74,12 @@ def kernel_table(
         trajectory: what ``pack_trajectory`` returned. Shape (m,).
         work: the lane's workspace.
         record: rows to write. Shape (k, 48).
-        stage: what a kernel of continuous mode is asked for; see ``robot.integrator.stages``.
-        step: step or control period in [s]. It and TOLERANCE, how many times its tolerance the
-            error of a step may be, can be changed in the table.
+        control: the lane's law; ``None`` for kernels that do without.
+        step: step of the arm in [s]. It and TOLERANCE, how many times its tolerance the error of a
+            step may be, can be changed in the table.
+        period: control period of sampled mode in [s].
+        commands: memory for the torques that wait for the input delay to pass. Shape (k, 6).
+        delay: the input delay: control periods, and steps of the arm.
 
     Raises:
         ValueError: if an array is not one block of float64, or has another shape.
@@ -77,6 +95,7 @@ def kernel_table(
         (trajectory, (len(trajectory),)),
         (work, (WORK_ROWS, JOINTS)),
         (record, (len(record), RECORD_COLUMNS)),
+        (commands, (len(commands), JOINTS)),
     )
     for array, shape in shaped:
         if array.shape != shape or array.dtype != np.float64 or not array.flags.c_contiguous:
@@ -86,13 +105,24 @@ def kernel_table(
             )
     arrays = [array for array, _ in shaped]
     table = np.zeros(SIZE, np.int64)
-    table[:STAGE] = [array.ctypes.data for array in arrays]
-    table[STAGE], table[TRAJECTORY_SIZE] = stage, len(trajectory)
-    table[GAIN_ROWS], table[RECORD_ROWS] = len(gains), len(record)
-    table.view(np.float64)[STEP] = step
-    table.view(np.float64)[TOLERANCE] = 1.0
+    table[: len(arrays)] = [array.ctypes.data for array in arrays]
+    table[TRAJECTORY_SIZE], table[GAIN_ROWS] = len(trajectory), len(gains)
+    table[RECORD_ROWS], table[COMMAND_ROWS] = len(record), len(commands)
+    numbers = table.view(np.float64)
+    numbers[STEP], numbers[PERIOD], numbers[TOLERANCE] = step, period, 1.0
+    table[DELAY_PERIODS], numbers[DELAY_SUBSTEPS] = delay
+    if isinstance(truth, ChainDynamics):
+        table[CHAIN], table[SCRATCH] = truth.chain.ctypes.data, truth.scratch.ctypes.data
+    if isinstance(nominal, ChainDynamics) and nominal is not truth:
+        table[NOMINAL_CHAIN] = nominal.chain.ctypes.data
+    called = None
+    if control is not None:
+        table[COMPILED_LAW] = compiled_law(control)
+        if not table[COMPILED_LAW]:
+            called = callback(control, gains, nominal.inertia, nominal.bias, work)
+            table[LAW_CALLBACK] = ctypes.cast(called, ctypes.c_void_p).value or 0
     # Pinocchio's own memory goes with its data, which the dynamics hold.
-    return np.asarray(_Kept(table, arrays, truth, nominal))
+    return np.asarray(_Kept(table, arrays, truth, nominal, control, called))
 
 
 def _as_pointer(_context: Any, address: Any) -> Any:
@@ -106,25 +136,14 @@ _pointer: Any = intrinsic(_as_pointer)
 """Takes a number for an address, in a kernel."""
 
 
-@kernel
+@inlined
 def settings(table):  # type: ignore[no-untyped-def]
-    """Return the stage, the step [s] and the tolerance of a table."""
+    """Return step [s], control period [s] and tolerance of a table."""
     numbers = table.view(np.float64)
-    return table[STAGE], numbers[STEP], numbers[TOLERANCE]
+    return numbers[STEP], numbers[PERIOD], numbers[TOLERANCE]
 
 
-@kernel
-def law_arrays(table):  # type: ignore[no-untyped-def]
-    """Return what a law asks for: gains, nominal inertia, nominal bias, workspace."""
-    return (
-        carray(_pointer(table[GAINS]), (table[GAIN_ROWS], JOINTS), np.float64),
-        carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64),
-        carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64),
-        carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64),
-    )
-
-
-@kernel
+@inlined
 def loop_arrays(table):  # type: ignore[no-untyped-def]
     """Return what surrounds a law: inertia, bias, environment, trajectory, workspace, record."""
     return (
@@ -135,3 +154,54 @@ def loop_arrays(table):  # type: ignore[no-untyped-def]
         carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64),
         carray(_pointer(table[RECORD]), (table[RECORD_ROWS], RECORD_COLUMNS), np.float64),
     )
+
+
+@inlined
+def delay_line(table):  # type: ignore[no-untyped-def]
+    """Return the torques on their way, and the input delay: control periods, steps of the arm."""
+    commands = carray(_pointer(table[COMMANDS]), (table[COMMAND_ROWS], JOINTS), np.float64)
+    return commands, table[DELAY_PERIODS], table.view(np.float64)[DELAY_SUBSTEPS]
+
+
+@kernel
+def ask(state, table):  # type: ignore[no-untyped-def]
+    """Let the table's law write its torque to TAU [N m].
+
+    Args:
+        state: first row of the state whose weights count.
+        table: the lane's table.
+
+    Returns:
+        0, or RAISED.
+    """
+    if table[COMPILED_LAW] == 0:
+        return call_back(table[LAW_CALLBACK], state)
+    gains = carray(_pointer(table[GAINS]), (table[GAIN_ROWS], JOINTS), np.float64)
+    nominal_M = carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64)
+    nominal_nle = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
+    work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
+    call_law(table[COMPILED_LAW], state, gains, nominal_M, nominal_nle, work)
+    return 0
+
+
+@kernel
+def evaluate_arm(state, table):  # type: ignore[no-untyped-def]
+    """Write M and h of the true arm at the state whose first row is ``state``, by its chain."""
+    chain = carray(_pointer(table[CHAIN]), CHAIN_SHAPE, np.float64)
+    scratch = carray(_pointer(table[SCRATCH]), SCRATCH_SHAPE, np.float64)
+    inertia = carray(_pointer(table[INERTIA]), (JOINTS, JOINTS), np.float64)
+    bias = carray(_pointer(table[BIAS]), (JOINTS,), np.float64)
+    work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
+    chain_dynamics(chain, work[state + Q], work[state + V], inertia, bias, scratch)
+
+
+@kernel
+def evaluate_nominal(angles, velocities, table):  # type: ignore[no-untyped-def]
+    """Write M and h of the nominal arm, where that is another one, at two rows of the workspace."""
+    if table[NOMINAL_CHAIN] != 0:
+        chain = carray(_pointer(table[NOMINAL_CHAIN]), CHAIN_SHAPE, np.float64)
+        scratch = carray(_pointer(table[SCRATCH]), SCRATCH_SHAPE, np.float64)
+        inertia = carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64)
+        bias = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
+        work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
+        chain_dynamics(chain, work[angles], work[velocities], inertia, bias, scratch)

@@ -1,12 +1,12 @@
 """What every law's kernel does before and after its own torque: the closed loop's common part.
 
 Continuous mode asks for one stage (PLAIN) or two (FIRST at t, SECOND at t + h/2) a step; sampled
-mode for one ``observe`` and ``command`` a control period and several ``plant_step``.
+mode for one ``sample`` a control period and several ``substep``.
 """
 
 from __future__ import annotations
 
-from math import inf
+from math import ceil, floor, inf
 
 from slidetune.robot.environment.external_torque import (
     changes_within_a_step,
@@ -21,15 +21,17 @@ from slidetune.robot.integrator.implicit_step import (
     STUCK,
     TOLERANCE_V,
     accept,
+    accept_motion,
     arm_step,
     implicit_step,
     step_error,
     unsolved,
     within_bounds,
 )
-from slidetune.robot.integrator.kernel_arrays import law_arrays, loop_arrays, settings
-from slidetune.robot.kernels.compiler import inlined, kernel
+from slidetune.robot.integrator.kernel_arrays import ask, delay_line, loop_arrays, settings
+from slidetune.robot.kernels.compiler import inlined, kernel, part
 from slidetune.robot.kernels.workspace import (
+    APPLIED,
     CURRENT,
     DISTURBANCE,
     DISTURBANCE_HALF,
@@ -72,10 +74,10 @@ from slidetune.robot.motion.trajectory import reference
 PLAIN, FIRST, SECOND = 0, 1, 2
 
 
-@kernel
-def begin(t, table):  # type: ignore[no-untyped-def]
+@part
+def _begin(stage, t, table):  # type: ignore[no-untyped-def]
     """Evaluate desired motion and environment at the state of a stage; return its first row."""
-    stage, h, _ = settings(table)
+    h, _, _ = settings(table)
     _, _, environment, trajectory, work, _ = loop_arrays(table)
     state = HALF if stage == SECOND else CURRENT
     reference(t, trajectory, work)
@@ -90,7 +92,7 @@ def begin(t, table):  # type: ignore[no-untyped-def]
     return state
 
 
-@kernel
+@inlined
 def write_record(row, environment, work, record):  # type: ignore[no-untyped-def]
     """Record the current state and what the law said of it, in the order of ``RECORD``."""
     for j in range(JOINTS):
@@ -108,34 +110,27 @@ def write_record(row, environment, work, record):  # type: ignore[no-untyped-def
         record[row, R_VD + j] = work[VD, j]
 
 
-@kernel
-def finish(row, table):  # type: ignore[no-untyped-def]
-    """Record (but for SECOND) and integrate one stage.
-
-    Args:
-        row: row of the record to write; below 0 none.
-        table: the lane's table; its workspace holds the evaluation of the law, its step is
-            the whole step for every stage.
-
-    Returns:
-        0, 1 + the joint that left its bounds, or REFUSED or STUCK where the step has to be cut.
-    """
-    stage, h, tolerance = settings(table)
+@part
+def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
+    """Record (but for SECOND) and integrate one stage."""
+    h, _, tolerance = settings(table)
     inertia, bias, environment, _, work, record = loop_arrays(table)
-    if stage == SECOND:
-        left = implicit_step(0.5 * h, HALF, HALF, inertia, bias, environment, work)
+    # Of a step's three sizes each goes through here: compiled once, with its states as numbers.
+    second = stage == SECOND
+    if second:
+        left = implicit_step(0.5 * h, state, state, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
-        return accept(True, work)
+        return accept(second, work)
     if row >= 0:
         write_record(row, environment, work, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
         return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
-    left = implicit_step(h, CURRENT, FULL, inertia, bias, environment, work)
+    left = implicit_step(h, state, state + FULL, inertia, bias, environment, work)
     if row >= 0 and work[FLAGS, HELD] != 0.0:
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
@@ -143,14 +138,15 @@ def finish(row, table):  # type: ignore[no-untyped-def]
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
-        return accept(False, work)
+        return accept(second, work)
     if changes_within_a_step(environment):
         for j in range(JOINTS):
             work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]
-    left = implicit_step(0.5 * h, CURRENT, HALF, inertia, bias, environment, work)
+    half = state + HALF
+    left = implicit_step(0.5 * h, state, half, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
-    return within_bounds(HALF, work)
+    return within_bounds(half, work)
 
 
 @kernel
@@ -169,13 +165,9 @@ def observe(t, sample, table):  # type: ignore[no-untyped-def]
     measure(sample, environment, work)
 
 
-@kernel
+@part
 def command(row, table):  # type: ignore[no-untyped-def]
-    """Record, limit the torque and let the network learn for one control period, the step.
-
-    Returns:
-        0, or 1 + the joint whose torque or weights are no longer finite.
-    """
+    """Record, limit the torque and let the network learn for one control period."""
     _, period, _ = settings(table)
     _, _, environment, _, work, record = loop_arrays(table)
     write_record(row, environment, work, record)
@@ -191,29 +183,88 @@ def command(row, table):  # type: ignore[no-untyped-def]
     return within_bounds(CURRENT, work)
 
 
-@inlined
-def stage_under(control, t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode under a law; see ``Law.step``.
+@kernel
+def make_stage(stage, t, row, table):  # type: ignore[no-untyped-def]
+    """One stage of a step of continuous mode, with M and h known at its state.
 
     Args:
-        control: the law's kernel: ``(state, gains, nominal_M, nominal_nle, work)`` writes its
-            torque to TAU [N m]; ``state`` is the first row of the state whose weights count.
-        t: time in [s].
+        stage: PLAIN, FIRST or SECOND.
+        t: time of its state in [s].
         row: row of the record to write; below 0 none.
-        table: the lane's table.
+        table: the lane's table; its step is the whole step for every stage.
+
+    Returns:
+        0; 1 + the joint that left its bounds; REFUSED or STUCK where the step has to be cut;
+        RAISED.
     """
-    gains, nominal_M, nominal_nle, work = law_arrays(table)
-    control(begin(t, table), gains, nominal_M, nominal_nle, work)
-    return finish(row, table)
+    state = _begin(stage, t, table)
+    bad = ask(state, table)
+    return bad if bad != 0 else _finish(stage, state, row, table)
 
 
-@inlined
-def period_under(control, t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode under a law, but for the arm; see ``Law.sample``."""
-    gains, nominal_M, nominal_nle, work = law_arrays(table)
+@kernel
+def sample(t, number, row, table):  # type: ignore[no-untyped-def]
+    """One control period of sampled mode, but for the arm, with the nominal M and h known.
+
+    Args:
+        t: time in [s].
+        number: number of the control period, which the sensor noise follows.
+        row: row of the record to write.
+        table: the lane's table.
+
+    Returns:
+        0; 1 + the joint whose torque or weights are no longer finite; RAISED.
+    """
     observe(t, number, table)
-    control(CURRENT, gains, nominal_M, nominal_nle, work)
-    return command(row, table)
+    bad = ask(CURRENT, table)
+    if bad == 0:
+        bad = command(row, table)
+    if bad == 0:
+        commands, _, _ = delay_line(table)
+        _, _, _, _, work, _ = loop_arrays(table)
+        if len(commands) > 0:
+            commands[number % len(commands)] = work[TAU]
+    return bad
+
+
+@part
+def _hold(number, index, table):  # type: ignore[no-untyped-def]
+    """Write the torque that reaches the joints in a step of the arm to APPLIED [N m].
+
+    A torque reaches them ``input_delay`` after its measurement. Where that is within a step, the
+    step is made under the mean of both torques: their impulse is exact, and what the angle lacks is
+    of the step's own order.
+    """
+    commands, periods, substeps = delay_line(table)
+    _, _, _, _, work, _ = loop_arrays(table)
+    split, arrived = floor(substeps), ceil(substeps)
+    before = commands[(number - periods - 1) % len(commands)]
+    after = commands[(number - periods) % len(commands)]
+    for j in range(JOINTS):
+        if index >= arrived:
+            work[APPLIED, j] = after[j]
+        elif index == split:
+            work[APPLIED, j] = before[j] + (arrived - substeps) * (after[j] - before[j])
+        else:
+            work[APPLIED, j] = before[j]
+
+
+@kernel
+def substep(t, number, index, table):  # type: ignore[no-untyped-def]
+    """One step of the arm within a control period, with M and h known.
+
+    Args:
+        t: time of the control period in [s].
+        number: its number.
+        index: which step of the arm.
+        table: the lane's table.
+
+    Returns:
+        0, or 1 + the joint that left its bounds; the current state is then untouched.
+    """
+    _hold(number, index, table)
+    h, _, _ = settings(table)
+    return plant_step(t + index * h, table)
 
 
 @kernel
@@ -227,8 +278,8 @@ def plant_step(t, table):  # type: ignore[no-untyped-def]
     Returns:
         0, or 1 + the joint that left its bounds; the current state is then untouched.
     """
-    _, h, _ = settings(table)
+    h, _, _ = settings(table)
     inertia, bias, environment, _, work, _ = loop_arrays(table)
     external_torque(t, h, CURRENT, environment, work)
     unsolved(arm_step(h, inertia, bias, environment, work), inf, work)
-    return accept(False, work)
+    return accept_motion(work)

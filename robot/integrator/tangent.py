@@ -12,7 +12,7 @@ from slidetune.robot.environment.external_torque import COULOMB_WIDTH
 from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, KINKS, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import reaching_at, shaped_reaching
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.elimination import solve_symmetric
 from slidetune.robot.kernels.workspace import (
     AD,
@@ -62,7 +62,7 @@ _TANGENTS = 3
 """How often new tangents are tried before the curves themselves are solved (*ours*)."""
 
 
-@kernel
+@inlined
 def fill(h, state, inertia, bias, work):  # type: ignore[no-untyped-def]
     """Write the system of one step, every curve replaced by its tangent at the step's beginning.
 
@@ -137,7 +137,7 @@ def _friction_missed(h, state, j, environment, work):  # type: ignore[no-untyped
     return abs(missed), min(0.0, slope * (before * before - after * after))
 
 
-@kernel
+@inlined
 def is_smooth(h, environment, work):  # type: ignore[no-untyped-def]
     """Tell whether nothing bends that much, by a bound and without a look at any curve.
 

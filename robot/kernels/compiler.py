@@ -31,6 +31,8 @@ _ROBOT = Path(__file__).parents[1]
 _CONSTANTS = (
     "environment/layout.py",
     "fields/quantity.py",
+    "integrator/law_call.py",
+    "kernels/by_address.py",
     "kernels/compiler.py",
     "kernels/workspace.py",
 )
@@ -42,7 +44,7 @@ def _digest() -> str:
     digest = hashlib.sha256(f"{numba.__version__} {Path(__file__)}".encode())
     for path in sorted(_ROBOT.rglob("*.py")):
         content = path.read_bytes()
-        compiled = b"@kernel" in content or b"@inlined" in content
+        compiled = any(mark in content for mark in (b"@kernel", b"@released", b"@inlined"))
         if compiled or path.relative_to(_ROBOT).as_posix() in _CONSTANTS:
             digest.update(content)
     return digest.hexdigest()[:16]
@@ -117,12 +119,21 @@ def kernel(function: Function) -> Function:
     return cast(Function, compiled)
 
 
-def inlined(function: Function) -> Function:
-    """Write ``function`` out in every kernel that calls it, so that it can take a kernel as well.
+def released(function: Function) -> Function:
+    """Do the same for a function that takes long: it lets other threads run meanwhile."""
+    compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    return cast(Function, compiled)
 
-    A kernel that hands another one on as a value is not kept on disk.
-    """
-    written_out: Any = numba.njit(inline="always", error_model="numpy")(function)
+
+def inlined(function: Function) -> Function:
+    """Compile ``function`` into every kernel that calls it: for what is small and called often."""
+    compiled: Any = numba.njit(error_model="numpy", forceinline=True)(function)
+    return cast(Function, compiled)
+
+
+def part(function: Function) -> Function:
+    """Write ``function`` out in the one kernel that calls it: for what is large and has a name."""
+    written_out: Any = numba.njit(error_model="numpy", inline="always")(function)
     return cast(Function, written_out)
 
 

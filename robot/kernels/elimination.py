@@ -7,7 +7,7 @@ zero on their diagonal: a joint at its torque limit that is held on its surface.
 from __future__ import annotations
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import MATRIX, RIGHT
 
 
@@ -40,7 +40,7 @@ def _pivot(k, work):  # type: ignore[no-untyped-def]
         work[RIGHT, k], work[RIGHT, best] = work[RIGHT, best], swap
 
 
-@kernel
+@inlined
 def solve_symmetric(work):  # type: ignore[no-untyped-def]
     """Do the same with the upper triangle of a symmetric MATRIX alone: half the work."""
     for k in range(JOINTS - 1):
@@ -53,7 +53,7 @@ def solve_symmetric(work):  # type: ignore[no-untyped-def]
     _substitute(work)
 
 
-@kernel
+@inlined
 def _substitute(work):  # type: ignore[no-untyped-def]
     """Substitute back from the last row to the first."""
     for i in range(JOINTS - 1, -1, -1):

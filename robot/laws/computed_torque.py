@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
-from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
 from slidetune.robot.laws.law import Law
@@ -82,25 +81,12 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
         work[TAU, i] = torque
 
 
-@kernel
-def step(t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode; see ``Law.step``."""
-    return stage_under(control, t, row, table)
-
-
-@kernel
-def sample(t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode; see ``Law.sample``."""
-    return period_under(control, t, number, row, table)
-
-
 LAW = Law(
     name="computed_torque",
     title="Computed torque PD",
     summary="τ = M(a_d + k_d·de + k_p·e) + C·v + G with a nominal model of the arm",
     lane=ComputedTorque,
-    step=step,
-    sample=sample,
+    control=control,
     model_based=True,
     network=False,
 )

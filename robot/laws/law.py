@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from slidetune.robot.fields.quantity import Section
+from slidetune.robot.integrator.law_call import Control
 
 Array = np.ndarray
 
@@ -25,18 +25,14 @@ class PackedGains(Protocol):
 class Law:
     """One control law.
 
-    Every law writes out its ``step`` and ``sample``, a line each: numba keeps on disk what stands
-    at the top of a module, and nothing that a function returned.
-
     Attributes:
         name: value of ``law`` in a lane.
         title: name on the screen.
         summary: the law in one line, with its equation.
         lane: the gains, a ``Section`` with a ``pack()``.
-        step: compiled stage of continuous mode: ``(t, row, table) -> 0 or 1 + joint``, with a
-            table of the lane's arrays (``kernel_table``).
-        sample: compiled control period of sampled mode: ``(t, number, row, table) -> 0 or
-            1 + joint``; the step of its table is the control period.
+        control: ``(state, gains, nominal_M, nominal_nle, work)`` writes the torque to TAU [N m],
+            for the desired and the measured motion in the workspace; ``state`` is the first row of
+            the state whose weights count. A ``kernel``; a plain function is called back, slowly.
         model_based: whether it needs the nominal arm.
         network: whether it has a network.
     """
@@ -45,7 +41,6 @@ class Law:
     title: str
     summary: str
     lane: type[Section]
-    step: Callable[..., int]
-    sample: Callable[..., int]
+    control: Control
     model_based: bool
     network: bool

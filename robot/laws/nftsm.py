@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, field
-from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     BENDS,
@@ -85,25 +84,12 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
             work[TAU, i] += work[REACH, i]
 
 
-@kernel
-def step(t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode; see ``Law.step``."""
-    return stage_under(control, t, row, table)
-
-
-@kernel
-def sample(t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode; see ``Law.sample``."""
-    return period_under(control, t, number, row, table)
-
-
 LAW = Law(
     name="nftsm",
     title="NFTSM",
     summary="τ = τ_eq + k₁S + k₂sw(S) with S = νe + c·de + μ·sig(de)^(p/k) and a model (Eq. 14)",
     lane=Nftsm,
-    step=step,
-    sample=sample,
+    control=control,
     model_based=True,
     network=False,
 )

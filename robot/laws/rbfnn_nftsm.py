@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     CURVE_ROWS,
@@ -57,25 +56,12 @@ def control(state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
         work[TAU, j] = work[NETWORK, j] + work[REACH, j]
 
 
-@kernel
-def step(t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode; see ``Law.step``."""
-    return stage_under(control, t, row, table)
-
-
-@kernel
-def sample(t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode; see ``Law.sample``."""
-    return period_under(control, t, number, row, table)
-
-
 LAW = Law(
     name="rbfnn_nftsm",
     title="RBFNN-NFTSM",
     summary="τ = f + k₁S + k₂sw(S) with S = νe + c·de + μ·sig(de)^(p/k) and a network f (Eq. 22)",
     lane=RbfnnNftsm,
-    step=step,
-    sample=sample,
+    control=control,
     model_based=False,
     network=True,
 )

@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.stages import period_under, stage_under
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import CURVE_ROWS, FLAGS, REACH, SHAPED, TAU, stacked
 from slidetune.robot.laws.law import Law
@@ -52,25 +51,12 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
         work[TAU, j] += work[REACH, j]
 
 
-@kernel
-def step(t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode; see ``Law.step``."""
-    return stage_under(control, t, row, table)
-
-
-@kernel
-def sample(t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode; see ``Law.sample``."""
-    return period_under(control, t, number, row, table)
-
-
 LAW = Law(
     name="smc",
     title="SMC",
     summary="τ = τ_eq + k₁S + k₂sw(S) with S = λe + de and a nominal model of the arm",
     lane=Smc,
-    step=step,
-    sample=sample,
+    control=control,
     model_based=True,
     network=False,
 )

@@ -10,6 +10,8 @@ from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
+from slidetune.robot.integrator.law_call import checked
+from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.workspace import (
     CURRENT,
     RECORD_COLUMNS,
@@ -37,7 +39,7 @@ class Probe:
 
     def __init__(self, packed: Packed, name: str) -> None:
         """Bind the law of the lane ``name``."""
-        self._sample = LAWS[packed.experiment.lanes[name].law].sample
+        law = LAWS[packed.experiment.lanes[name].law]
         self._environment = packed.environment.copy()
         self._environment[SENSOR, :2] = 0.0
         self._work = np.zeros((WORK_ROWS, JOINTS))
@@ -46,14 +48,21 @@ class Probe:
         gains, record = packed.gains[name], np.zeros((1, RECORD_COLUMNS))
         self._at_rest, self._on_the_way = (
             kernel_table(
-                self._arm, self._arm, gains, self._environment, trajectory, self._work, record
+                self._arm,
+                self._arm,
+                gains,
+                self._environment,
+                trajectory,
+                self._work,
+                record,
+                control=law.control,
             )
             for trajectory in (hold, packed.trajectory)
         )
 
     def _ask(self, t: float, table: Array) -> Array:
         self._arm.refill()
-        self._sample(t, 0, 0, table)
+        checked(sample(t, 0, 0, table))
         return self._work
 
     def surface(self, e: Array, de: Array) -> tuple[Array, Array, Array]:

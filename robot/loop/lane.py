@@ -11,8 +11,9 @@ import numpy as np
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.cutting import Cutting, Step
+from slidetune.robot.integrator.cutting import BUCKETS, cutting_of
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
+from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
 from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CHANGE_V,
@@ -33,7 +34,7 @@ from slidetune.robot.kernels.workspace import (
     V,
 )
 from slidetune.robot.laws import LAWS
-from slidetune.robot.loop.steps import bind_step, torques_on_the_way
+from slidetune.robot.loop.steps import Step, bind_step, torques_on_the_way
 from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
 from slidetune.robot.motion.trajectory import reference
 
@@ -41,7 +42,6 @@ Array = np.ndarray
 
 log = logging.getLogger("slidetune.lane")
 
-NO_COMMANDS = np.empty((0, JOINTS))
 MEMORY = slice(CHANGE_Q, CHANGE_Q + MEMORY_ROWS)
 """Rows of the workspace that a lane's next step depends on besides its state."""
 
@@ -80,7 +80,7 @@ class LaneState:
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
         commands: torques that wait for the input delay to pass in [N m], the oldest first.
             Shape (n, 6).
-        buckets: how far the next steps may be cut; see ``Cutting.buckets``.
+        buckets: how far the next steps may be cut; see ``BUCKETS``. Shape (3,).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
     """
@@ -90,7 +90,7 @@ class LaneState:
     torque: Array
     row: Array
     commands: Array
-    buckets: tuple[float, float, float]
+    buckets: Array
     freeze: Freeze | None
     began: float
 
@@ -108,11 +108,11 @@ class Lane:
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
-        step: the bound step; see ``robot.integrator.cutting.Step``.
+        step: the bound step; see ``robot.loop.steps.Step``.
     """
 
     def __init__(
-        self, name: str, packed: Packed, record: Array, cutting: Cutting | None = None
+        self, name: str, packed: Packed, record: Array, cutting: Array | None = None
     ) -> None:
         """Stand at the beginning of the trajectory with empty weights.
 
@@ -120,11 +120,11 @@ class Lane:
             name: its name in the experiment.
             packed: the experiment as numbers.
             record: rows to write. Shape (n, 48).
-            cutting: how far its steps may be cut; by default as far as in a live session.
+            cutting: what ``cutting_of`` returned; by default as far as in a live session.
         """
         self.name = name
         self.record = record
-        self.cutting = cutting or Cutting()
+        self.cutting = cutting_of() if cutting is None else cutting
         self.work = np.zeros((WORK_ROWS, JOINTS))
         self.freeze: Freeze | None = None
         self.commands = NO_COMMANDS
@@ -164,7 +164,7 @@ class Lane:
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
         self.work[[CHANGE_Q, CHANGE_V]] = other.work[[CHANGE_Q, CHANGE_V]]
         self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
-        self.cutting.buckets = other.cutting.buckets
+        self.cutting[BUCKETS] = other.cutting[BUCKETS]
         self.record[:] = other.record
         self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
         self.adopt(packed)
@@ -177,7 +177,7 @@ class Lane:
             torque=self.work[TAU].copy(),
             row=self.record[(number - 1) % len(self.record)].copy(),
             commands=np.roll(self.commands, -number, axis=0),
-            buckets=self.cutting.buckets,
+            buckets=self.cutting[BUCKETS].copy(),
             freeze=self.freeze,
             began=self.began,
         )
@@ -188,7 +188,7 @@ class Lane:
         self.work[TAU] = past.torque
         self.record[(number - 1) % len(self.record)] = past.row
         self.commands = np.roll(past.commands, number, axis=0)
-        self.cutting.buckets = past.buckets
+        self.cutting[BUCKETS] = past.buckets
         self.freeze, self.began = past.freeze, past.began
         self.adopt(packed)
 

@@ -11,8 +11,9 @@ from slidetune.robot.arm.arm import flange_positions
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.cutting import Cutting
+from slidetune.robot.integrator.cutting import cutting_of_whole_run
 from slidetune.robot.integrator.implicit_step import MAX_VELOCITY
+from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     CAPPED,
@@ -28,6 +29,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.loop.accuracy import LOOSER, Accuracy, difference, judge, second_run
+from slidetune.robot.loop.horizon import bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Freeze, Lane
 from slidetune.robot.loop.metrics import Metrics, measure_lane
 from slidetune.robot.motion.trajectory import reference
@@ -131,25 +133,26 @@ def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
 
 
 def _run_lane(name: str, packed: Packed, tolerance: float, pause: Callable[[float], None]) -> Lane:
-    """Step one lane through all rows, or until it leaves its bounds."""
+    """Make all rows of one lane, or until it leaves its bounds."""
     simulation = packed.experiment.simulation
-    rows = round(simulation.horizon / simulation.row_period) + 1
-    cutting = Cutting.of_whole_run(rows, tolerance)
-    lane = Lane(name, packed, np.zeros((rows, RECORD_COLUMNS)), cutting)
-    step, instants = lane.step, (np.arange(rows) * simulation.row_period).tolist()
-    for begin in range(0, rows, _CHUNK):
-        pause(begin / rows)
-        for row in range(begin, min(begin + _CHUNK, rows)):
-            try:
-                joint = step(instants[row], row, row)
-            except Exception as error:
-                lane.fail(packed, instants[row], row, error)
-            else:
-                if not joint:
-                    continue
-                lane.stop(packed, instants[row], joint, row)
-            lane.record[row + 1 :] = np.nan
-            return lane
+    count = simulation.rows
+    cutting = cutting_of_whole_run(count, tolerance)
+    lane = Lane(name, packed, np.zeros((count, RECORD_COLUMNS)), cutting)
+    make = bind_rows(lane, packed) or stepped_rows(lane, packed)
+    rows = np.zeros(2, np.int64)
+    while rows[0] < count:
+        pause(rows[0] / count)
+        rows[1] = min(rows[0] + _CHUNK, count)
+        try:
+            joint = checked(make(rows))
+        except Exception as error:
+            lane.fail(packed, int(rows[0]) * simulation.row_period, int(rows[0]), error)
+        else:
+            if not joint:
+                continue
+            lane.stop(packed, int(rows[0]) * simulation.row_period, joint, int(rows[0]))
+        lane.record[rows[0] + 1 :] = np.nan
+        return lane
     return lane
 
 
@@ -220,8 +223,7 @@ def simulate(
     if estimate:
         other = pack(second_run(experiment)[0])
     simulation = experiment.simulation
-    rows = round(simulation.horizon / simulation.row_period) + 1
-    time = np.arange(rows) * simulation.row_period
+    time = np.arange(simulation.rows) * simulation.row_period
     q_d, v_d = desired_motion(packed, time)
     desired = flange_positions(q_d)
     lanes: dict[str, LaneRun] = {}

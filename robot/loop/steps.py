@@ -1,4 +1,4 @@
-"""One control step of one lane, bound to its arrays: Pinocchio, then the law's kernel.
+"""One control step of one lane, bound to its arrays: Pinocchio, then the loop's kernels.
 
 Everything that a step needs is bound once, so that a step looks up nothing: M and h are views that
 Pinocchio refills, the state is a view of the workspace, and a kernel takes all of it as one number.
@@ -7,21 +7,35 @@ Pinocchio refills, the state is a view of the workspace, and a kernel takes all 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.arm.dynamics import dynamics
+from slidetune.robot.arm.dynamics import Dynamics, dynamics
 from slidetune.robot.environment.layout import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.cutting import Cutting, Parts, Step
+from slidetune.robot.integrator.cutting import (
+    FROM,
+    LOOSENESS,
+    NO_ROW,
+    RESULT,
+    begin_parts,
+    end_part,
+    next_part,
+)
 from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, kernel_table
-from slidetune.robot.integrator.stages import FIRST, PLAIN, SECOND, observe, plant_step
+from slidetune.robot.integrator.law_call import RAISED, checked
+from slidetune.robot.integrator.stages import (
+    FIRST,
+    PLAIN,
+    SECOND,
+    make_stage,
+    observe,
+    sample,
+    substep,
+)
 from slidetune.robot.kernels.workspace import (
-    APPLIED,
     CURRENT,
     CURVE,
     CURVE_ROWS,
@@ -37,106 +51,69 @@ from slidetune.robot.kernels.workspace import (
 from slidetune.robot.laws.law import Law
 
 Array = np.ndarray
+Step = Callable[[float, int, int], int]
+"""``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
 
 
-class Stage(NamedTuple):
-    """One stage of a step of continuous mode.
-
-    Attributes:
-        arm: what Pinocchio takes before the state: the arm and what it writes.
-        q: joint angles of the stage in [rad], a view. Shape (6,).
-        v: joint velocities of the stage in [rad/s], a view. Shape (6,).
-        refill_nominal: lets Pinocchio write the nominal arm anew, where there is another one.
-        table: what the kernel takes.
-    """
-
-    arm: tuple[pin.Model, pin.Data]
-    q: Array
-    v: Array
-    refill_nominal: Callable[[], None] | None
-    table: Array
+def _nominal(packed: Packed, work: Array, angles: int, velocities: int) -> Dynamics:
+    return dynamics(packed.nominal or packed.model, work[angles], work[velocities])
 
 
-def _stage(
-    stage: int, state: int, law: Law, packed: Packed, gains: Array, work: Array, record: Array
-) -> Stage:
-    """Return a stage at the state whose first row is ``state``."""
-    q, v = work[state + Q], work[state + V]
+def continuous_step(
+    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Array
+) -> Step:
+    """Return a step of continuous mode; the extrapolated one has both sizes begin with one M."""
+    crba, bias = pin.crba, pin.nonLinearEffects
+    simulation = packed.experiment.simulation
+    q, v = work[CURRENT + Q], work[CURRENT + V]
+    q2, v2 = work[HALF + Q], work[HALF + V]
     truth = nominal = dynamics(packed.model, q, v)
-    if law.model_based and packed.nominal is not None:
-        nominal = dynamics(packed.nominal, q, v)
-    arrays = (truth, nominal, gains, packed.environment, packed.trajectory, work, record)
-    table = kernel_table(*arrays, stage=stage, step=packed.experiment.simulation.step)
-    refill_nominal = None if nominal is truth else nominal.refill
-    return Stage((truth.model, truth.data), q, v, refill_nominal, table)
-
-
-def plain_step(
-    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
-) -> Step:
-    """Return the plain implicit step of continuous mode."""
-    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    (arm, data), q, v, refill_nominal, table = _stage(
-        PLAIN, CURRENT, law, packed, gains, work, record
-    )
+    model, data = truth.model, truth.data
+    separate = law.model_based and packed.nominal is not None
+    if separate:
+        nominal = _nominal(packed, work, CURRENT + Q, CURRENT + V)
+    rest = (gains, packed.environment, packed.trajectory, work, record)
+    table = kernel_table(truth, nominal, *rest, control=law.control, step=simulation.step)
     numbers = table.view(np.float64)
+    numbers[TOLERANCE] = cutting[LOOSENESS]
+    nominal_model, nominal_data = nominal.model, nominal.data
+    first = FIRST if simulation.scheme == "extrapolated" else PLAIN
 
-    def settle(h: float, tolerance: float) -> None:
-        numbers[STEP], numbers[TOLERANCE] = h, tolerance
+    def attempt(t: float, half: float, row: int) -> int:
+        crba(model, data, q)
+        bias(model, data, q, v)
+        if separate:
+            crba(nominal_model, nominal_data, q)
+            bias(nominal_model, nominal_data, q, v)
+        bad: int = make_stage(first, t, row, table)
+        if bad or not first:
+            return bad
+        crba(model, data, q2)
+        bias(model, data, q2, v2)
+        if separate:
+            crba(nominal_model, nominal_data, q2)
+            bias(nominal_model, nominal_data, q2, v2)
+        bad = make_stage(SECOND, t + half, row, table)
+        return bad
 
-    def bound(parts: Callable[[float, int], int] | None) -> Step:
-        def step(t: float, number: int, row: int) -> int:
-            crba(arm, data, q)
-            bias(arm, data, q, v)
-            if refill_nominal is not None:
-                refill_nominal()
-            bad = kernel(t, row, table)
-            return parts(t, row) if bad and parts else bad
-
-        return step
-
-    h = packed.experiment.simulation.step
-    return bound(Parts(settle, bound(None), h, cutting, work).make)
-
-
-def extrapolated_step(
-    law: Law, packed: Packed, gains: Array, work: Array, record: Array, cutting: Cutting
-) -> Step:
-    """Return the extrapolated step of continuous mode: what is known at t serves both sizes."""
-    kernel, crba, bias = law.step, pin.crba, pin.nonLinearEffects
-    (arm, data), q, v, refill_nominal, first = _stage(
-        FIRST, CURRENT, law, packed, gains, work, record
-    )
-    later = _stage(SECOND, HALF, law, packed, gains, work, record)
-    (_, data2), q2, v2, refill_nominal2, second = later
-    numbers, numbers2 = first.view(np.float64), second.view(np.float64)
-    half = 0.0
-
-    def settle(h: float, tolerance: float) -> None:
-        nonlocal half
-        half = 0.5 * h
-        numbers[STEP] = numbers2[STEP] = h
-        numbers[TOLERANCE] = numbers2[TOLERANCE] = tolerance
-
-    def bound(parts: Callable[[float, int], int] | None) -> Step:
-        def step(t: float, number: int, row: int) -> int:
-            crba(arm, data, q)
-            bias(arm, data, q, v)
-            if refill_nominal is not None:
-                refill_nominal()
-            bad = kernel(t, row, first)
+    def in_parts(t: float, row: int) -> int:
+        begin_parts(t, cutting, table)
+        while next_part(cutting, table):
+            bad = attempt(float(cutting[FROM]), 0.5 * float(numbers[STEP]), row)
+            end_part(bad, cutting, table)
             if not bad:
-                crba(arm, data2, q2)
-                bias(arm, data2, q2, v2)
-                if refill_nominal2 is not None:
-                    refill_nominal2()
-                bad = kernel(t + half, row, second)
-            return parts(t, row) if bad and parts else bad
+                row = NO_ROW
+        return int(cutting[RESULT])
 
-        return step
+    whole_half = 0.5 * simulation.step
 
-    h = packed.experiment.simulation.step
-    return bound(Parts(settle, bound(None), h, cutting, work).make)
+    def step(t: float, number: int, row: int) -> int:
+        bad = attempt(t, whole_half, row)
+        if not bad:
+            return 0
+        return checked(bad if bad == RAISED else in_parts(t, row))
+
+    return step
 
 
 def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
@@ -161,51 +138,55 @@ def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
     return bounded
 
 
+def measures_apart(law: Law, packed: Packed) -> bool:
+    """Tell whether a sampled law needs M and h of another arm, or of another state, than the arm.
+
+    Args:
+        law: the lane's law.
+        packed: the experiment as numbers.
+    """
+    noisy = bool(packed.environment[SENSOR, SENSOR_Q] or packed.environment[SENSOR, SENSOR_V])
+    return law.model_based and (noisy or packed.nominal is not None)
+
+
 def sampled_step(
     law: Law, packed: Packed, gains: Array, work: Array, record: Array, commands: Array
 ) -> Step:
-    """Return one control period of sampled mode: measure, hold the torque, step the arm.
-
-    A torque reaches the joints ``input_delay`` after its measurement. Where that is within a step
-    of the arm, the step is made under the mean of both torques: their impulse is exact, and what
-    the angle lacks is of the step's own order.
-    """
+    """Return one control period of sampled mode: measure, hold the torque, step the arm."""
     simulation = packed.experiment.simulation
-    period, substeps = 1.0 / simulation.control_rate, simulation.plant_substeps
-    h = period / substeps
-    (whole, part), size = simulation.delay, len(commands)
-    split, arrived, share = int(part), ceil(part), ceil(part) - part
-    sample = law.sample
-    truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
-    refill, applied, torque = truth.refill, work[APPLIED], work[TAU]
-    noisy = bool(packed.environment[SENSOR, SENSOR_Q] or packed.environment[SENSOR, SENSOR_V])
-    nominal = None
-    if law.model_based and (noisy or packed.nominal is not None):
-        nominal = dynamics(packed.nominal or packed.model, work[MEASURED_Q], work[MEASURED_V])
-    rest = (gains, packed.environment, packed.trajectory, work, record)
-    controller = kernel_table(truth, nominal or truth, *rest, step=period)
-    arm = kernel_table(truth, truth, *rest, step=h)
+    substeps = simulation.plant_substeps
+    truth = nominal = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
+    apart = measures_apart(law, packed)
+    if apart:
+        nominal = _nominal(packed, work, MEASURED_Q, MEASURED_V)
+    refill, refill_nominal = truth.refill, nominal.refill
+    table = kernel_table(
+        truth,
+        nominal,
+        gains,
+        packed.environment,
+        packed.trajectory,
+        work,
+        record,
+        control=law.control,
+        step=simulation.arm_step,
+        period=simulation.row_period,
+        commands=commands,
+        delay=simulation.delay,
+    )
 
     def step(t: float, number: int, row: int) -> int:
         refill()
-        if nominal is not None:
-            observe(t, number, controller)
-            nominal.refill()
-        bad: int = sample(t, number, row, controller)
+        if apart:
+            observe(t, number, table)
+            refill_nominal()
+        bad: int = sample(t, number, row, table)
         if bad:
-            return bad
-        commands[number % size] = torque
-        new = commands[(number - whole) % size]
-        applied[:] = commands[(number - whole - 1) % size]
-        for substep in range(substeps):
-            if substep:
+            return checked(bad)
+        for index in range(substeps):
+            if index:
                 refill()
-            if substep <= arrived:
-                if substep == arrived:
-                    applied[:] = new
-                elif substep == split:
-                    applied[:] += share * (new - applied)
-            bad = plant_step(t + substep * h, arm)
+            bad = substep(t, number, index, table)
             if bad:
                 return bad
         return 0
@@ -220,7 +201,7 @@ def bind_step(
     work: Array,
     record: Array,
     commands: Array,
-    cutting: Cutting,
+    cutting: Array,
 ) -> Step:
     """Return the step that an experiment asks for.
 
@@ -231,15 +212,13 @@ def bind_step(
         work: the lane's workspace, which holds its state.
         record: rows to write. Shape (n, 48).
         commands: what ``torques_on_the_way`` returned; only sampled mode uses it.
-        cutting: how far a step of continuous mode may be cut.
+        cutting: how far a step of continuous mode may be cut; see ``cutting_of``.
 
     Returns:
-        ``step(t, number, row)``.
+        ``step(t, number, row)``, which raises what the law raises.
     """
-    simulation = packed.experiment.simulation
     # What another law or mode left there is not this one's.
     work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = 0.0
-    if simulation.mode == "sampled":
+    if packed.experiment.simulation.mode == "sampled":
         return sampled_step(law, packed, gains, work, record, commands)
-    bind = extrapolated_step if simulation.scheme == "extrapolated" else plain_step
-    return bind(law, packed, gains, work, record, cutting)
+    return continuous_step(law, packed, gains, work, record, cutting)

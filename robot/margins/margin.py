@@ -18,6 +18,8 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
+from slidetune.robot.integrator.law_call import checked
+from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.workspace import (
     FLAGS,
     GAIN,
@@ -71,8 +73,8 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     environment[SENSOR, :2], environment[LIMIT] = 0.0, np.inf
     record = np.zeros((1, RECORD_COLUMNS))
     gains = packed.gains[name]
-    table = kernel_table(nominal, nominal, gains, environment, trajectory, work, record)
-    law.sample(0.0, 0, 0, table)
+    arrays = (gains, environment, trajectory, work, record)
+    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, control=law.control)))
     return work
 
 

@@ -17,7 +17,8 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
-from slidetune.robot.integrator.stages import plant_step
+from slidetune.robot.integrator.law_call import checked
+from slidetune.robot.integrator.stages import plant_step, sample
 from slidetune.robot.kernels.workspace import (
     AD,
     APPLIED,
@@ -197,7 +198,9 @@ class Around:
         self.timing = cut = cut or timing(packed.experiment.simulation)
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
-        self._control = kernel_table(self._truth, self._nominal, *rest, record, step=cut.period)
+        self._control = kernel_table(
+            self._truth, self._nominal, *rest, record, control=self._law.control, period=cut.period
+        )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
         self.load = self._needed_torque()
@@ -231,7 +234,7 @@ class Around:
         work[CURRENT + Q], work[CURRENT + V] = q, v
         work[CURRENT + W : CURRENT + W + NODES] = self._weights
         self._nominal.refill()
-        self._law.sample(self._time, 0, 0, self._control)
+        checked(sample(self._time, 0, 0, self._control))
 
     def steepest(self) -> Array:
         """Return the velocity error in [rad/s] at which the reaching law is steepest. Shape (6,).

@@ -20,7 +20,7 @@ from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.integrator.kernel_arrays import kernel_table
-from slidetune.robot.integrator.stages import FIRST
+from slidetune.robot.integrator.stages import FIRST, make_stage
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, Q, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.lane import Lane
@@ -156,10 +156,10 @@ def _kernels(packed: Packed, loops: int) -> tuple[Callable[[], float], Callable[
     arm = dynamics(packed.model, lane.work[Q], lane.work[V])
     arm.refill()
     rest = (packed.gains["A"], packed.environment, packed.trajectory, lane.work, lane.record)
-    table, t = kernel_table(arm, arm, *rest, stage=FIRST, step=WARM_STEP), WARM * WARM_STEP
-    kernel, empty = LAWS[LAW].step, numba.njit(_empty)
+    table = kernel_table(arm, arm, *rest, control=LAWS[LAW].control, step=WARM_STEP)
+    t, empty = WARM * WARM_STEP, numba.njit(_empty)
     # The first stage leaves the state as it is, so that all calls do the same.
-    first, nothing = lambda: kernel(t, 0, table), lambda: empty(0.0, 0, table)
+    first, nothing = lambda: make_stage(FIRST, t, 0, table), lambda: empty(0.0, 0, table)
     return lambda: _timed(nothing, loops), lambda: _timed(first, loops)
 
 
@@ -167,7 +167,7 @@ def _run(document: dict[str, Any], horizon: float, whole: bool = False) -> Calla
     """Return the timing of ``simulate``: in [s], or in [µs] a step of one lane."""
     settings = {"horizon": horizon, **document.get("simulation", {})}
     experiment = Experiment.from_document({**document, "simulation": settings})
-    steps = (round(horizon / experiment.simulation.row_period) + 1) * len(experiment.lanes)
+    steps = experiment.simulation.rows * len(experiment.lanes)
 
     clock = perf_counter if whole else thread_time
 

@@ -15,8 +15,9 @@ _SECONDS = 3e-6
 def arm_steps(experiment: Experiment) -> int:
     """Return how many steps the arm makes in one lane's run."""
     simulation = experiment.simulation
-    rows = round(simulation.horizon / simulation.row_period)
-    return rows * (simulation.plant_substeps if simulation.mode == "sampled" else 1)
+    return (simulation.rows - 1) * (
+        simulation.plant_substeps if simulation.mode == "sampled" else 1
+    )
 
 
 def refuse_if_costly(experiment: Experiment) -> None:

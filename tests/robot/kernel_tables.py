@@ -10,6 +10,7 @@ from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
+from slidetune.robot.integrator.law_call import Control
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
 from slidetune.robot.motion.trajectory import HoldTrajectory, pack_trajectory
 
@@ -37,6 +38,8 @@ def table_of(
     trajectory: Array | None = None,
     record: Array | None = None,
     step: float = 0.0,
+    period: float = 0.0,
+    control: Control | None = None,
 ) -> Array:
     """A table of what is given: the rest is an arm of unit inertia at rest, undisturbed."""
     arm = arm or arm_of(np.eye(JOINTS), np.zeros(JOINTS))
@@ -48,5 +51,7 @@ def table_of(
         pack_trajectory(HoldTrajectory()) if trajectory is None else trajectory,
         np.zeros((WORK_ROWS, JOINTS)) if work is None else work,
         np.zeros((1, RECORD_COLUMNS)) if record is None else record,
+        control=control,
         step=step,
+        period=period,
     )

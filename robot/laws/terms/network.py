@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import (
     HIDDEN,
     LEAKAGE,
@@ -116,7 +116,7 @@ class NetworkGains(Section):
         return np.linspace(-self.center_span, self.center_span, NODES)
 
 
-@kernel
+@inlined
 def gaussians(x, block, j, work):  # type: ignore[no-untyped-def]
     r"""Hidden outputs of one joint (Eq. 19), written to HIDDEN.
 
@@ -148,7 +148,7 @@ def gaussians(x, block, j, work):  # type: ignore[no-untyped-def]
         factor *= decay
 
 
-@kernel
+@inlined
 def network(block, state, work):  # type: ignore[no-untyped-def]
     r"""Output of the network and how fast learning would change it (Eq. 19-21).
 

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, Weight, field, refusal
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import MEASURED_Q, MEASURED_V, QD, S_E, S_V, VD, S
 
 Array = np.ndarray
@@ -148,7 +148,7 @@ class LinearSurface(Section):
         return np.full((LINEAR_ROWS, JOINTS), self.lambda_)
 
 
-@kernel
+@inlined
 def nftsm_surface(block, work):  # type: ignore[no-untyped-def]
     r"""Non-singular fast terminal sliding variable (Liu et al. 2025, Eq. 5) and its slopes.
 

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, GAIN, REACH, S
 
 Array = np.ndarray
@@ -182,7 +182,7 @@ def reaching(block, j, s):  # type: ignore[no-untyped-def]
     return power * value, power * (slope + alpha * abs(value) / size)
 
 
-@kernel
+@inlined
 def reach(block, work):  # type: ignore[no-untyped-def]
     """Reaching law of every joint: value into REACH, slope into GAIN, the law itself into CURVE.
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions, nominal_model
+from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions, nominal_arm
 from slidetune.robot.arm.description import DATASHEET_MASS, VENDOR_MASS
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.fields.quantity import JOINTS
@@ -107,7 +107,8 @@ def test_models_do_not_share_their_numbers() -> None:
 
 
 def nominal(mismatch: float = 1.0, **changes: Any) -> pin.Model | None:
-    return nominal_model(Robot.model_validate(changes), mismatch)
+    arm = nominal_arm(Robot.model_validate(changes), mismatch)
+    return None if arm is None else arm.model
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,23 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import (
+    FROM,
     HALVINGS,
     LIVE_BURST,
     LIVE_PARTS,
+    LOOSENESS,
     NO_ROW,
-    Cutting,
-    Parts,
+    RESULT,
+    UNSOLVABLE,
+    begin_parts,
+    cutting_of,
+    cutting_of_whole_run,
+    end_part,
+    next_part,
 )
 from slidetune.robot.integrator.implicit_step import REFUSED, STUCK
+from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE
+from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.kernels.workspace import (
     CAPPED,
     CUT,
@@ -34,6 +43,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.lane import Lane
+from tests.robot.kernel_tables import table_of
 
 Array = np.ndarray
 H = 0.001
@@ -42,38 +52,46 @@ H = 0.001
 class Attempts:
     """Refuses every step that is longer than it likes, and keeps what was asked of it."""
 
-    def __init__(self, longest: Any, work: Array) -> None:
-        self.longest, self.work = longest, work
-        self.h, self.tolerance = 0.0, 0.0
+    def __init__(self, longest: Any, cutting: Array) -> None:
+        self.longest, self.cutting = longest, cutting
+        self.work = np.zeros((WORK_ROWS, JOINTS))
+        self.table = table_of(self.work, step=H)
+        self.numbers = self.table.view(np.float64)
         self.made: list[tuple[float, float]] = []
         self.rows: list[int] = []
 
-    def settle(self, h: float, tolerance: float) -> None:
-        self.h, self.tolerance = h, tolerance
-
-    def attempt(self, t: float, number: int, row: int) -> int:
-        good = self.h <= self.longest(t) * (1.0 + 1e-9)
+    def attempt(self, t: float, row: int) -> int:
+        h = float(self.numbers[STEP])
+        good = h <= self.longest(t) * (1.0 + 1e-9)
         self.work[ERRORS, WRONG] = 0.5 if good else 3.0
-        if not good and self.tolerance != np.inf:
+        if not good and self.numbers[TOLERANCE] != np.inf:
             return REFUSED
-        self.made.append((t, self.h))
+        self.made.append((t, h))
         self.rows.append(row)
         return 0
 
+    def make(self, t: float, row: int) -> int:
+        """Make a refused step in parts, as every loop does."""
+        begin_parts(t, self.cutting, self.table)
+        while next_part(self.cutting, self.table):
+            bad = self.attempt(float(self.cutting[FROM]), row)
+            end_part(bad, self.cutting, self.table)
+            row = row if bad else NO_ROW
+        return int(self.cutting[RESULT])
 
-def cut(longest: Any, cutting: Cutting, rows: int = 1) -> tuple[Attempts, Array]:
-    work = np.zeros((WORK_ROWS, JOINTS))
-    attempts = Attempts(longest, work)
-    parts = Parts(attempts.settle, attempts.attempt, H, cutting, work)
+
+def cut(longest: Any, cutting: Array, rows: int = 1) -> tuple[Attempts, Array]:
+    attempts = Attempts(longest, cutting)
     for row in range(rows):
-        assert parts.make(row * H, row) == 0
+        assert attempts.make(row * H, row) == 0
         # What comes next is a whole step again.
-        assert (attempts.h, attempts.tolerance) == (H, cutting.tolerance)
-    return attempts, work
+        whole = (H, cutting[LOOSENESS])
+        assert (attempts.numbers[STEP], attempts.numbers[TOLERANCE]) == whole
+    return attempts, attempts.work
 
 
 def test_parts_follow_each_other_and_fill_the_row() -> None:
-    attempts, work = cut(lambda t: H / 64 if t < H / 8 else H / 2, Cutting())
+    attempts, work = cut(lambda t: H / 64 if t < H / 8 else H / 2, cutting_of())
     starts, lengths = np.array(attempts.made).T
     np.testing.assert_allclose(starts[1:], np.cumsum(lengths)[:-1], atol=1e-15)
     assert lengths.sum() == pytest.approx(H)
@@ -84,7 +102,7 @@ def test_parts_follow_each_other_and_fill_the_row() -> None:
 
 
 def test_the_first_part_alone_records_the_row() -> None:
-    attempts, _ = cut(lambda t: H / 8, Cutting(), rows=2)
+    attempts, _ = cut(lambda t: H / 8, cutting_of(), rows=2)
     assert attempts.rows == [0] + 7 * [NO_ROW] + [1] + 7 * [NO_ROW]
 
 
@@ -104,56 +122,66 @@ def test_a_lane_that_is_let_go_frees_its_memory_at_once(scheme: str) -> None:
 
 
 def test_a_step_is_halved_so_often_and_no_more() -> None:
-    attempts, work = cut(lambda t: 0.0, Cutting(left=np.inf, refill=0.0))
+    attempts, work = cut(lambda t: 0.0, cutting_of(left=np.inf, refill=0.0))
     assert len(attempts.made) == 2**HALVINGS
     assert work[TALLY, CAPPED] == 1.0
 
 
 def test_a_joint_that_leaves_its_bounds_ends_the_row() -> None:
-    work = np.zeros((WORK_ROWS, JOINTS))
-    asked: list[float] = []
+    attempts, asked = Attempts(None, cutting_of()), []
 
-    def attempt(t: float, number: int, row: int) -> int:
+    def attempt(t: float, row: int) -> int:
         asked.append(t)
         return 4
 
-    parts = Parts(lambda h, tolerance: None, attempt, H, Cutting(), work)
-    assert parts.make(0.0, 0) == 4
+    attempts.attempt = attempt  # type: ignore[method-assign]
+    assert attempts.make(0.0, 0) == 4
     assert asked == [0.0] * HALVINGS
 
 
-def test_what_cannot_be_solved_is_cut_until_its_attempts_are_spent() -> None:
-    work = np.zeros((WORK_ROWS, JOINTS))
-    resigned: list[bool] = []
+def test_a_law_that_raises_ends_the_row_at_once() -> None:
+    attempts, asked = Attempts(None, cutting_of()), []
 
-    def attempt(t: float, number: int, row: int) -> int:
-        resigned.append(bool(work[ERRORS, RESIGNED]))
+    def attempt(t: float, row: int) -> int:
+        asked.append(t)
+        return RAISED
+
+    attempts.attempt = attempt  # type: ignore[method-assign]
+    assert attempts.make(0.0, 0) == RAISED
+    assert asked == [0.0]
+
+
+def test_what_cannot_be_solved_is_cut_until_its_attempts_are_spent() -> None:
+    cutting = cutting_of(halvings=20, left=np.inf, refill=0.0, stuck=7.0)
+    attempts, resigned = Attempts(None, cutting), []
+
+    def attempt(t: float, row: int) -> int:
+        resigned.append(bool(attempts.work[ERRORS, RESIGNED]))
         return 0 if resigned[-1] else STUCK
 
-    cutting = Cutting(halvings=20, left=np.inf, refill=0.0, stuck=7.0)
-    parts = Parts(lambda h, tolerance: None, attempt, H, cutting, work)
-    assert parts.make(0.0, 0) == 0
+    attempts.attempt = attempt  # type: ignore[method-assign]
+    assert attempts.make(0.0, 0) == 0
     assert resigned.count(False) == 7
     # The next row has another try, if there is something left for it.
-    cutting.stuck = 1.0
-    assert parts.make(H, 1) == 0
+    cutting[UNSOLVABLE] = 1.0
+    assert attempts.make(H, 1) == 0
     assert resigned.count(False) == 8
-    assert work[ERRORS, RESIGNED] == 0.0
+    assert attempts.work[ERRORS, RESIGNED] == 0.0
 
 
 def test_a_live_session_spends_what_it_has_and_says_so() -> None:
     rows = 2000
-    attempts, work = cut(lambda t: H / 32, Cutting(), rows)
+    attempts, work = cut(lambda t: H / 32, cutting_of(), rows)
     assert len(attempts.made) <= LIVE_BURST + (LIVE_PARTS + 2.0) * rows
     assert 0.5 * rows < work[TALLY, CAPPED] < rows
     # Rare cuts cost nothing of the pace: none of them is capped.
-    _, work = cut(lambda t: H / 32 if round(t / H) % 100 == 0 else H, Cutting(), rows)
+    _, work = cut(lambda t: H / 32 if round(t / H) % 100 == 0 else H, cutting_of(), rows)
     assert work[TALLY, CAPPED] == 0.0
 
 
 def test_a_whole_run_may_take_more_but_not_without_end() -> None:
     rows = 100
-    attempts, work = cut(lambda t: 0.0, Cutting.of_whole_run(rows), rows)
+    attempts, work = cut(lambda t: 0.0, cutting_of_whole_run(rows), rows)
     assert len(attempts.made) <= 22 * rows
     assert work[TALLY, CAPPED] == rows
 
@@ -176,7 +204,7 @@ def test_torque_limits_hold(law: str, mode: str) -> None:
     }
     packed = pack(Experiment.from_document(document))
     # Steps that are not cut: then the motion from row to row tells one torque.
-    lane = Lane("A", packed, np.zeros((301, RECORD_COLUMNS)), Cutting(halvings=0))
+    lane = Lane("A", packed, np.zeros((301, RECORD_COLUMNS)), cutting_of(halvings=0))
     for row in range(301):
         assert lane.step(row * 1e-3, row, row) == 0
     q, v, tau = lane.record[:, : 3 * JOINTS].reshape(301, 3, JOINTS).transpose(1, 0, 2)

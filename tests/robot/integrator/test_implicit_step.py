@@ -12,7 +12,7 @@ from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.cutting import Cutting
+from slidetune.robot.integrator.cutting import cutting_of
 from slidetune.robot.integrator.implicit_solve import SOLVED
 from slidetune.robot.integrator.implicit_step import (
     MAX_ANGLE,
@@ -204,7 +204,7 @@ def error_of(lane: dict[str, Any], scheme: str, step: float) -> float:
         packed = pack(Experiment.from_document(document))
         rows = round(0.4 / step) + 1
         # The scheme alone: no step is cut.
-        alone = Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)), Cutting(halvings=0))
+        alone = Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)), cutting_of(halvings=0))
         for row in range(rows):
             assert alone.step(row * step, row, row) == 0
         return alone.record[:: round(0.02 / step), :JOINTS]

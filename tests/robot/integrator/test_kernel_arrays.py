@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import gc
 import weakref
+from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.environment.layout import LIMIT, pack_environment
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.kernel_arrays import kernel_table, law_arrays, loop_arrays, settings
-from slidetune.robot.integrator.stages import FIRST
+from slidetune.robot.integrator.kernel_arrays import (
+    ask,
+    delay_line,
+    kernel_table,
+    loop_arrays,
+    settings,
+)
+from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
+from slidetune.robot.kernels.workspace import RECORD_COLUMNS, TAU, WORK_ROWS
 from tests.robot.kernel_tables import arm_of, table_of
 
 Array = np.ndarray
@@ -22,26 +30,24 @@ Array = np.ndarray
 
 @kernel
 def sums(table):  # type: ignore[no-untyped-def]
-    """Return the sum and the size of every array, as a kernel sees them."""
-    gains, nominal_inertia, nominal_bias, work = law_arrays(table)
-    inertia, bias, environment, trajectory, _, record = loop_arrays(table)
+    """Return the sum and the size of every array, as the loop's kernels see them."""
+    inertia, bias, environment, trajectory, work, record = loop_arrays(table)
+    commands, _, _ = delay_line(table)
     return (
         (inertia.sum(), inertia.size),
         (bias.sum(), bias.size),
-        (nominal_inertia.sum(), nominal_inertia.size),
-        (nominal_bias.sum(), nominal_bias.size),
-        (gains.sum(), gains.size),
         (environment.sum(), environment.size),
         (trajectory.sum(), trajectory.size),
         (work.sum(), work.size),
         (record.sum(), record.size),
+        (commands.sum(), commands.size),
     )
 
 
 @kernel
 def write(table):  # type: ignore[no-untyped-def]
     """Write one number into the workspace."""
-    _, _, _, work = law_arrays(table)
+    _, _, _, _, work, _ = loop_arrays(table)
     work[3, 4] = 7.0
 
 
@@ -53,14 +59,44 @@ def test_a_kernel_sees_every_array_whole() -> None:
     )
     environment = pack_environment(Disturbance(), 1.0, 2.0, None)
     environment[LIMIT] = 9.0
-    rest = [random.normal(size=shape) for shape in ((9, JOINTS), environment.shape, 23)]
+    gains, trajectory = random.normal(size=(9, JOINTS)), random.normal(size=23)
     work, record = random.normal(size=(WORK_ROWS, JOINTS)), random.normal(size=(7, RECORD_COLUMNS))
-    table = kernel_table(truth, nominal, *rest, work, record, FIRST, 0.25)
-    arrays = [truth.inertia, truth.bias, nominal.inertia, nominal.bias, *rest, work, record]
+    commands = random.normal(size=(3, JOINTS))
+    rest = (gains, environment, trajectory, work, record)
+    asked: list[list[Array]] = []
+
+    def control(state: int, *given: Array) -> None:
+        asked.append([array.copy() for array in given])
+
+    table = kernel_table(
+        truth, nominal, *rest, control=control, step=0.25, period=2.5, commands=commands
+    )
+    arrays = [truth.inertia, truth.bias, environment, trajectory, work, record, commands]
     for (total, size), array in zip(sums(table), arrays, strict=True):
         assert size == array.size
         assert total == pytest.approx(array.sum())
-    assert settings(table) == (FIRST, 0.25, 1.0)
+    assert settings(table) == (0.25, 2.5, 1.0)
+    assert ask(0, table) == 0
+    # The law gets the nominal arm.
+    for found, array in zip(asked[0], (gains, *nominal[-2:], work), strict=True):
+        np.testing.assert_array_equal(found, array)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_law_gets_its_own_arrays_and_what_it_raises_comes_out(compiled: bool) -> None:
+    @numba.njit
+    def raising(state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
+        work[TAU, 0] = gains[0, 0] + state
+        if gains[0, 0] > 1.0:
+            raise ArithmeticError("too much")
+
+    control: Any = raising if compiled else raising.py_func
+    work = np.zeros((WORK_ROWS, JOINTS))
+    assert ask(2, table_of(work, gains=np.ones((1, JOINTS)), control=control)) == 0
+    assert work[TAU, 0] == 3.0
+    table = table_of(work, gains=2.0 * np.ones((1, JOINTS)), control=control)
+    with pytest.raises(ArithmeticError, match="too much"):
+        checked(ask(0, table))
 
 
 def test_what_a_kernel_writes_is_in_the_array() -> None:

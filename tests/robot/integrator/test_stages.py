@@ -94,7 +94,7 @@ def test_network_learns_once_a_control_period() -> None:
     hidden, weights = random.normal(size=(2, NODES, JOINTS))
     work[HIDDEN : HIDDEN + NODES], work[W : W + NODES] = hidden, weights
     work[S], work[LEARNING], work[LEAKAGE] = random.normal(size=JOINTS), 3.0, 2.0
-    assert command(1, table_of(work, record=record, step=0.004)) == 0
+    assert command(1, table_of(work, record=record, period=0.004)) == 0
     expected = weights + 0.004 * (3.0 * hidden * work[S] - 2.0 * weights)
     np.testing.assert_allclose(work[W : W + NODES], expected, rtol=1e-12)
 
@@ -105,7 +105,7 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
     environment = pack_environment(Disturbance(), 0.0, 0.0, limits)
     np.testing.assert_array_equal(environment[LIMIT], limits)
     work[TAU] = (-9, 9, 2, -2, 9, -9)
-    assert command(0, table_of(work, environment=environment, record=record, step=0.001)) == 0
+    assert command(0, table_of(work, environment=environment, record=record, period=0.001)) == 0
     expected = (-1, 2, 2, -2, 5, -6)
     np.testing.assert_array_equal(work[TAU], expected)
     np.testing.assert_array_equal(record[0, 2 * JOINTS : 3 * JOINTS], expected)
@@ -115,7 +115,7 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
 def test_a_torque_that_is_no_number_names_its_joint(value: float) -> None:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[TAU, 3] = value
-    assert command(0, table_of(work, step=0.001)) == 4
+    assert command(0, table_of(work, period=0.001)) == 4
 
 
 def test_a_record_holds_the_columns_that_it_names() -> None:

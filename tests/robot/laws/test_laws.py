@@ -14,8 +14,7 @@ from slidetune.robot.experiment.document import Experiment, LaneName
 from slidetune.robot.experiment.merge_patch import merge_patch
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
-from slidetune.robot.integrator.kernel_arrays import law_arrays
-from slidetune.robot.integrator.stages import begin, command, finish, observe
+from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     FLAGS,
@@ -185,7 +184,8 @@ def evaluated(lane: dict[str, Any], q: Array, v: Array) -> Array:
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
     gains = LAWS[lane["law"]].lane.model_validate(lane).pack()
-    assert LAWS[lane["law"]].sample(0.0, 0, 0, table_of(work, arm=arm, gains=gains)) == 0
+    table = table_of(work, arm=arm, gains=gains, control=LAWS[lane["law"]].control)
+    assert sample(0.0, 0, 0, table) == 0
     return work
 
 
@@ -240,7 +240,7 @@ class Toy(LinearSurface):
 
 
 @kernel
-def toy_control(gains, work):  # type: ignore[no-untyped-def]
+def toy_control(_state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
     """τ = g (de + λ e)."""
     linear_surface(gains[:1], work)
     no_network(work)
@@ -251,25 +251,7 @@ def toy_control(gains, work):  # type: ignore[no-untyped-def]
         work[TAU, j] = work[REACH, j]
 
 
-@kernel
-def toy_step(t, row, table):  # type: ignore[no-untyped-def]
-    """One stage of continuous mode."""
-    gains, _, _, work = law_arrays(table)
-    begin(t, table)
-    toy_control(gains, work)
-    return finish(row, table)
-
-
-@kernel
-def toy_sample(t, number, row, table):  # type: ignore[no-untyped-def]
-    """One control period of sampled mode."""
-    gains, _, _, work = law_arrays(table)
-    observe(t, number, table)
-    toy_control(gains, work)
-    return command(row, table)
-
-
-TOY = Law("toy", "Toy", "τ = g(de + λe)", Toy, toy_step, toy_sample, False, False)
+TOY = Law("toy", "Toy", "τ = g(de + λe)", Toy, toy_control, False, False)
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +31,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.laws import LAWS
+from slidetune.robot.loop import steps
 from slidetune.robot.loop.lane import Lane
 
 Array = np.ndarray
@@ -126,11 +126,11 @@ def test_a_step_depends_on_nothing_but_the_state(law: str, mode: str) -> None:
 def test_a_stage_that_fails_ends_its_step(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[float] = []
 
-    def stage(t: float, row: int, table: Array) -> int:
+    def stage(which: int, t: float, row: int, table: Array) -> int:
         asked.append(t)
         return 3 if len(asked) >= failing else 0
 
-    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], step=stage))
+    monkeypatch.setattr(steps, "make_stage", stage)
     lane = lane_of(packed_of({"simulation": {"step": 0.002}}, "smc"))
     assert lane.step(0.5, 0, 0) == 3
     assert asked[:failing] == [0.5, 0.501][:failing]
@@ -139,7 +139,7 @@ def test_a_stage_that_fails_ends_its_step(failing: int, monkeypatch: pytest.Monk
 
 
 def test_a_sample_that_fails_leaves_the_arm_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], sample=lambda *given: 3))
+    monkeypatch.setattr(steps, "sample", lambda *given: 3)
     lane = lane_of(packed_of({"simulation": {"mode": "sampled"}}, "smc"))
     state = lane.work[:STATE_ROWS].copy()
     assert lane.step(0.5, 0, 0) == 3

@@ -27,10 +27,10 @@ def until_metrics_of(served: Served, lane: str) -> dict[str, Any]:
 def test_a_law_that_fails_has_no_remarks_and_the_others_have_theirs(
     mode: str, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*given: object) -> int:
+    def fail(*given: object) -> None:
         raise ArithmeticError("no torque for this pose")
 
-    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], step=fail, sample=fail))
+    monkeypatch.setitem(LAWS, "smc", replace(LAWS["smc"], control=fail))
     lanes = {"fails": {"law": "smc"}, "torque": {"law": "rbfnn_nftsm", "k1": 300.0}}
     document = {"lanes": lanes, "simulation": {"mode": mode}, "robot": {"torque_limit": 5.0}}
     served.http.put("/api/experiment", json=document).raise_for_status()

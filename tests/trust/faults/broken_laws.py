@@ -5,12 +5,12 @@ Run it like the server: ``python -m tests.trust.broken_laws serve``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from slidetune.robot.integrator.law_call import Control
 from slidetune.robot.laws import LAWS
 from slidetune.robot.laws.computed_torque import ComputedTorque
 from slidetune.server.cli import main
@@ -23,14 +23,14 @@ MESSAGE = "broken on purpose"
 PACK = ComputedTorque.pack
 
 
-def raising(kernel: Callable[..., int]) -> Callable[..., int]:
+def raising(kernel: Control) -> Control:
     """Return a kernel that raises once it has been called often enough."""
     left = iter(range(CALLS))
 
-    def failing(*given: Any) -> int:
+    def failing(*given: Any) -> None:
         if next(left, None) is None:
             raise ArithmeticError(MESSAGE)
-        return kernel(*given)
+        kernel(*given)
 
     return failing
 
@@ -44,7 +44,7 @@ def poisoned(gains: ComputedTorque) -> np.ndarray:
 def break_laws() -> None:
     """Let SMC raise, and PD be poisoned."""
     law = LAWS["smc"]
-    LAWS["smc"] = replace(law, step=raising(law.step), sample=raising(law.sample))
+    LAWS["smc"] = replace(law, control=raising(law.control))
     ComputedTorque.pack = poisoned  # type: ignore[method-assign]
 
 

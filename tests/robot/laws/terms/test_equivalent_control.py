@@ -13,6 +13,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
+from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.workspace import (
     AD,
     QD,
@@ -58,8 +59,9 @@ def s_dot(lane: dict[str, Any], seed: int, **experiment: Any) -> tuple[Array, Ar
     truth.refill()
     nominal.refill()
     gains, record = packed.gains["A"], np.zeros((1, RECORD_COLUMNS))
-    table = kernel_table(truth, nominal, gains, packed.environment, packed.trajectory, work, record)
-    LAWS[lane["law"]].sample(random.uniform(0, 5), 0, 0, table)
+    arrays = (gains, packed.environment, packed.trajectory, work, record)
+    table = kernel_table(truth, nominal, *arrays, control=LAWS[lane["law"]].control)
+    sample(random.uniform(0, 5), 0, 0, table)
     M, nle = truth.inertia, truth.bias
     a = np.linalg.solve(M, work[TAU] - nle)
     return work[S_V] * (work[AD] - a) + work[S_E] * (work[VD] - v), work

@@ -1,0 +1,82 @@
+"""How a kernel calls a law that it was not compiled with: through an address in the lane's table.
+
+So the loop is compiled once for all laws. A law of plain Python, or one that numba can't compile,
+is called back, much slower; what it raises waits here until the kernel has returned.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from contextvars import ContextVar
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from slidetune.robot.kernels.by_address import address_of, called
+
+Array = np.ndarray
+Control = Callable[[int, Array, Array, Array, Array], None]
+"""``control(state, gains, nominal_M, nominal_nle, work)`` writes a law's torque to TAU [N m]; see
+``robot.laws.law.Law``."""
+
+RAISED = -3
+"""What a kernel returns when a law that it called back has raised."""
+
+_block, _line = types.float64[:, ::1], types.float64[::1]
+_SIGNATURE = types.none(types.int64, _block, _block, _line, _block)
+_Callback = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
+_error: ContextVar[Exception | None] = ContextVar("error", default=None)
+_llvm: Any = cgutils
+
+
+def compiled_law(control: Control) -> int:
+    """Return the address of a law's compiled code, 0 where it can't be compiled."""
+    return address_of(control, _SIGNATURE)
+
+
+def callback(control: Control, gains: Array, inertia: Array, bias: Array, work: Array) -> Any:
+    """Return a law with its arrays as a C function; it lives as long as the result is kept."""
+
+    def call(state: int) -> int:
+        try:
+            control(state, gains, inertia, bias, work)
+        except Exception as error:
+            _error.set(error)
+            return RAISED
+        return 0
+
+    return _Callback(call)
+
+
+def checked(code: int) -> int:
+    """Return what a kernel returned, or raise what its law raised."""
+    if code == RAISED:
+        error = _error.get() or RuntimeError("a law raised")
+        _error.set(None)
+        raise error
+    return code
+
+
+def _law(  # numba reads the names and the number of these
+    _context: Any, address: Any, state: Any, gains: Any, nominal_M: Any, nominal_nle: Any, work: Any
+) -> Any:
+    return called(_SIGNATURE)
+
+
+def _called_back(_context: Any, address: Any, state: Any) -> Any:
+    def build(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        whole = cgutils.intp_t
+        kind = _llvm.ir.FunctionType(whole, [whole])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1]])
+
+    return types.int64(types.int64, types.int64), build
+
+
+call_law: Any = intrinsic(_law)
+"""Calls a compiled law at an address: ``(address, state, gains, nominal_M, nominal_nle, work)``."""
+call_back: Any = intrinsic(_called_back)
+"""Calls a law back: ``(address, state)`` returns 0 or RAISED."""

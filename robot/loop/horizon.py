@@ -1,0 +1,74 @@
+"""A lane's whole horizon in one compiled call, bound to its arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from slidetune.robot.arm.dynamics import chain_of
+from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.integrator.cutting import LOOSENESS
+from slidetune.robot.integrator.horizon import STAGE, run_continuous, run_sampled
+from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
+from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
+from slidetune.robot.kernels.by_address import address_of
+from slidetune.robot.laws import LAWS
+from slidetune.robot.loop.lane import Lane
+from slidetune.robot.loop.steps import measures_apart
+
+Array = np.ndarray
+Rows = Callable[[Array], int]
+"""``make(rows)``: makes the rows from ``rows[0]`` up to ``rows[1]``; see ``run_continuous``."""
+
+
+def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
+    """Return what makes a lane's rows, ``None`` where its arm can't be compiled.
+
+    Args:
+        lane: a lane that stands at the beginning.
+        packed: the experiment as numbers.
+    """
+    if packed.chain is None or (packed.nominal is not None and packed.nominal_chain is None):
+        return None
+    simulation, law = packed.experiment.simulation, LAWS[packed.experiment.lanes[lane.name].law]
+    sampled = simulation.mode == "sampled"
+    truth = nominal = chain_of(packed.chain)
+    if measures_apart(law, packed) if sampled else law.model_based and packed.nominal is not None:
+        nominal = chain_of(packed.chain if packed.nominal_chain is None else packed.nominal_chain)
+    table = kernel_table(
+        truth,
+        nominal,
+        packed.gains[lane.name],
+        packed.environment,
+        packed.trajectory,
+        lane.work,
+        lane.record,
+        control=law.control,
+        step=simulation.arm_step,
+        period=simulation.row_period,
+        commands=lane.commands,
+        delay=simulation.delay,
+    )
+    if sampled:
+        return lambda rows: run_sampled(simulation.plant_substeps, rows, table)
+    cutting, first = lane.cutting, FIRST if simulation.scheme == "extrapolated" else PLAIN
+    stage = address_of(make_stage, STAGE)
+    table.view(np.float64)[TOLERANCE] = cutting[LOOSENESS]
+    return lambda rows: run_continuous(stage, first, rows, cutting, table)
+
+
+def stepped_rows(lane: Lane, packed: Packed) -> Rows:
+    """Return the same by single steps over Pinocchio."""
+    step, period = lane.step, packed.experiment.simulation.row_period
+
+    def make(rows: Array) -> int:
+        for row in range(int(rows[0]), int(rows[1])):
+            rows[0] = row
+            bad = step(row * period, row, row)
+            if bad:
+                return bad
+        rows[0] = rows[1]
+        return 0
+
+    return make
