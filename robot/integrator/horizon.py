@@ -56,23 +56,32 @@ def _attempt(stage, first, t, row, table):  # type: ignore[no-untyped-def]
         first, state, t = SECOND, HALF, t + 0.5 * table.view(np.float64)[STEP]
 
 
+LOOK = 256
+"""Rows between two looks at ``stop`` (*ours*): half a millisecond and more."""
+STOPPED = -4
+"""What a run returns that was stopped."""
+
+
 @released
-def run_continuous(stage, first, rows, cutting, table):  # type: ignore[no-untyped-def]
+def run_continuous(stage, first, rows, stop, cutting, table):  # type: ignore[no-untyped-def]
     """Make rows of the record in continuous mode, one after the other.
 
     Args:
         stage: address of ``make_stage``.
         first: PLAIN, or FIRST for the extrapolated scheme.
         rows: the next row, and the one before which to return; the first is moved on. Shape (2,).
+        stop: a number that another thread may set: from then on it returns. Shape (1,).
         cutting: what ``cutting_of`` returned.
         table: the lane's table, whose arms are chains and whose step is the time between two rows.
 
     Returns:
-        0; or, for the row that is next, 1 + the joint that left its bounds, or RAISED.
+        0; or, for the row that is next, 1 + the joint that left its bounds, RAISED, or STOPPED.
     """
     period, _, _ = settings(table)
     for row in range(rows[0], rows[1]):
         rows[0] = row
+        if row % LOOK == 0 and stop[0] != 0:
+            return STOPPED
         t = row * period
         bad = _attempt(stage, first, t, row, table)
         if bad != 0 and bad != RAISED:
@@ -91,7 +100,7 @@ def run_continuous(stage, first, rows, cutting, table):  # type: ignore[no-untyp
 
 
 @released
-def run_sampled(substeps, rows, table):  # type: ignore[no-untyped-def]
+def run_sampled(substeps, rows, stop, table):  # type: ignore[no-untyped-def]
     """Make rows of the record in sampled mode, with ``substeps`` steps of the arm in each.
 
     The other arguments, and what is returned, are those of ``run_continuous``.
@@ -99,6 +108,8 @@ def run_sampled(substeps, rows, table):  # type: ignore[no-untyped-def]
     _, period, _ = settings(table)
     for row in range(rows[0], rows[1]):
         rows[0] = row
+        if row % LOOK == 0 and stop[0] != 0:
+            return STOPPED
         t = row * period
         evaluate_arm(CURRENT, table)
         if table[NOMINAL_CHAIN] != 0:

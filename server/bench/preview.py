@@ -21,7 +21,7 @@ def _drag(client: httpx.Client, lanes: tuple[str, ...], seconds: float) -> tuple
     while (passed := perf_counter() - begin) < seconds:
         patch = {"lanes": {lane: {"k1": 120.0 + 0.1 * count} for lane in lanes}}
         client.patch("/api/experiment", json=patch).raise_for_status()
-        wanted = {"quick": True, "client": "bench"}
+        wanted = {"estimate": False, "client": "bench"}
         client.post("/api/preview", json=wanted).raise_for_status()
         count += 1
         if passed > 1.0:
@@ -38,7 +38,7 @@ def measure_drag(port: int, quick: bool) -> list[Measurement]:
     """
     seconds = 1.5 if quick else 6.0
     with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=120.0) as client:
-        client.post("/api/preview", json={"quick": True}).raise_for_status()  # workers warm up
+        client.post("/api/preview", json={"estimate": False}).raise_for_status()  # workers warm up
         one, first = _drag(client, LANES[:1], seconds)
         every, second = _drag(client, LANES, seconds)
     least = float(np.nanmin([first, second, 10.0]))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.loop.response import CHANNELS, Response, lane_response, only_lane, quickened
+from slidetune.robot.loop.response import CHANNELS, Response, lane_response, only_lane
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import Workers
 
@@ -60,16 +60,15 @@ class Previews:
         self._workers = workers
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._known: OrderedDict[tuple[str, bool], Response] = OrderedDict()
-        self._ahead: asyncio.Task[Any] | None = None
 
     async def respond(
-        self, experiment: Experiment, quick: bool, client: str, turn: str = ""
+        self, experiment: Experiment, estimate: bool, client: str, turn: str = ""
     ) -> dict[str, Response] | None:
         """Run every lane of an experiment over its horizon.
 
         Args:
             experiment: what to run.
-            quick: whether the coarser step of a drag will do; its error is not estimated.
+            estimate: whether the error of each run is estimated, which takes half as long again.
             client: who asks; an empty text never supersedes anybody.
             turn: who asks, where others wait too; ``client`` where it is empty.
 
@@ -77,26 +76,20 @@ class Previews:
             The response of every lane, or ``None`` if the client asked for a newer one meanwhile.
 
         Raises:
-            WorkerLostError: if a worker process was killed.
+            BusyError: if too many runs wait already.
             InvalidExperimentError: if the arm can't follow the trajectory, or if it would take the
                 workers for too long.
         """
-        chosen = quickened(experiment) if quick else experiment
-        refuse_if_costly(chosen)
-        if self._ahead is not None:
-            self._ahead.cancel()
+        refuse_if_costly(experiment)
         older = self._running.pop(client, None) if client else None
         if older is not None:
             older.cancel()
-        work = self._all_lanes(chosen, not quick, client or turn)
+        work = self._all_lanes(experiment, estimate, client or turn)
         task = asyncio.ensure_future(work)
         if client:
             self._running[client] = task
         try:
-            responses = await task
-            if client and not quick:
-                self._look_ahead(experiment)
-            return responses
+            return await task
         except asyncio.CancelledError:
             if task.cancelled() and not _being_cancelled():
                 return None
@@ -105,13 +98,6 @@ class Previews:
         finally:
             if self._running.get(client) is task:
                 del self._running[client]
-
-    def _look_ahead(self, experiment: Experiment) -> None:
-        """Run a drag's coarser steps before it begins: then it has to run what it changes alone."""
-        ahead = self._all_lanes(quickened(experiment), estimate=False, turn="ahead")
-        self._ahead = asyncio.ensure_future(ahead)
-        # Nobody waits for it: what becomes of it is no news.
-        self._ahead.add_done_callback(lambda task: task.cancelled() or task.exception())
 
     async def _all_lanes(
         self, experiment: Experiment, estimate: bool, turn: str
@@ -132,8 +118,9 @@ class Previews:
     async def _lane(self, experiment: Experiment, name: str, estimate: bool, turn: str) -> Response:
         """Run one lane; what didn't change since one of the last requests isn't run again."""
         alone = only_lane(experiment, name)
-        # An estimate is part of the answer: a drag's run without one is no exact answer.
-        key = alone.model_dump_json(exclude={"title", "description"}), estimate
+        what = alone.model_dump_json(exclude={"title", "description"})
+        # An estimate is part of the answer: who asked for none may get one, but not the reverse.
+        key = what, estimate or (what, True) in self._known
         known = self._known.get(key)
         if known is None:
             known = await self._workers.run(lane_response, alone, name, estimate, client=turn)

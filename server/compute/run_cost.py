@@ -5,10 +5,10 @@ from __future__ import annotations
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 
-MOST_ARM_STEPS = 2_000_000
-"""Most steps of the arm in one lane's run (*ours*): the longest run there is, at the usual ten in
-a control period. Others wait for as long as a lane takes."""
-_SECONDS = 3e-6
+MOST_ARM_STEPS = 8_000_000
+"""Most steps of the arm in one lane's run (*ours*): four times the longest run there is, at the
+usual ten in a control period; some 6 s. Others wait for as long as a lane takes."""
+_SECONDS = 7.5e-7
 """Time of a step of the arm with the run that estimates its error in [s] (*ours*, measured)."""
 
 

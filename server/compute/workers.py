@@ -1,40 +1,29 @@
-"""Processes that run whole experiments beside the live session, which must not notice.
+"""Threads that run whole experiments beside the live session, which must not notice.
 
-They are started once and stay warm. A task can be cancelled while it runs: each has a slot in a
-shared array and stops as soon as the number there isn't its own any more. A killed process costs
-the tasks that it had; the next ones get a new pool.
+A lane's rows are made in one call that holds no lock of the interpreter, so that threads share the
+cores as processes would. A task can be stopped while it runs: it looks at a flag of its own.
 """
 
 from __future__ import annotations
 
 import asyncio
-import itertools
-import multiprocessing
 import os
-import signal
+import sys
+import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from functools import partial
-from threading import Thread
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
+import numpy as np
+
 from slidetune.robot.errors import SlidetuneError
+from slidetune.robot.loop.simulate import stop_flag
 from slidetune.server.compute.turns import Turns
 
 Result = TypeVar("Result")
 
-TRIES = 3
-"""How often a task is given to a new pool, where the old one was lost before it began (*ours*)."""
-SLOTS = 256
+MOST = 256
 """Tasks that can be under way or waiting at once (*ours*)."""
-
-_flags: Any = None
-_begun: Any = None
-
-
-class WorkerLostError(SlidetuneError, RuntimeError):
-    """The process of a task was killed; asking again gets a new one."""
 
 
 class BusyError(SlidetuneError, RuntimeError):
@@ -42,119 +31,64 @@ class BusyError(SlidetuneError, RuntimeError):
 
 
 def worker_count() -> int:
-    """Return how many processes to start: one core stays with the session and the browser."""
-    return max(1, min(4, (os.cpu_count() or 2) - 1))
+    """Return how many threads there are: with three lanes on two cores all end at the same time."""
+    return max(4, (os.cpu_count() or 2) - 1)
 
 
-def _begin(flags: Any, begun: Any) -> None:
-    """Warm a new process up: load every compiled kernel, keep out of the session's way."""
-    global _flags, _begun
-    _flags, _begun = flags, begun
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which ends us
-    Thread(target=_leave_with_parent, daemon=True).start()
-    if hasattr(os, "nice"):
-        os.nice(5)
-    import scipy.signal  # noqa: F401  (slow to import: not in the middle of the first drag)
-
-    from slidetune.robot.loop.warmup import warm_up
-
-    warm_up()
-
-
-def _leave_with_parent() -> None:
-    """End this process as soon as the server is gone, however that ended."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(0)
-
-
-def _perform(
-    function: Callable[..., Result], slot: int, ticket: int, args: tuple[Any, ...]
-) -> Result:
-    """Run one task in a worker, with its own way to learn that it isn't wanted any more."""
-    flags = _flags
-    _begun[slot] = ticket
-    return function(*args, cancelled=lambda: flags[slot] != ticket)
+def _begin() -> None:
+    """Keep out of the session's way."""
+    if sys.platform == "linux":  # where a thread has a niceness of its own
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
 
 
 class Workers:
-    """A pool of warm processes."""
+    """A pool of threads."""
 
     def __init__(self, count: int | None = None) -> None:
-        """Say how many processes there will be; ``start`` starts them."""
+        """Say how many threads there will be; they start when they are needed."""
         self._count = count or worker_count()
-        self._context = multiprocessing.get_context("spawn")
-        self._flags = self._context.Array("Q", SLOTS, lock=False)
-        self._begun = self._context.Array("Q", SLOTS, lock=False)
-        self._tickets = itertools.count(1)
-        self._free = set(range(SLOTS))
-        self._pool: ProcessPoolExecutor | None = None
+        self._stops: dict[int, np.ndarray] = {}
         self._turns = Turns(self._count)
+        self._pool = ThreadPoolExecutor(self._count, "worker", _begin)
 
     def start(self) -> None:
-        """Start the processes, without waiting for them."""
-        self._pool = ProcessPoolExecutor(
-            self._count, self._context, initializer=_begin, initargs=(self._flags, self._begun)
-        )
-        for _ in range(self._count):
-            self._pool.submit(int)
+        """Load what the first task would have to wait for."""
+        self._pool.submit(_load)
 
     def stop(self) -> None:
-        """End the processes, whatever they are doing."""
-        for slot in range(SLOTS):
-            self._flags[slot] = 0
-        if self._pool is not None:
-            processes = list((getattr(self._pool, "_processes", None) or {}).values())
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
-                process.terminate()
-            for process in processes:
-                process.join(5.0)
-            self._pool = None
+        """Stop all tasks; none begins any more."""
+        for stop in self._stops.values():
+            stop[0] = 1
+        self._pool.shutdown(cancel_futures=True)
 
-    def processes(self) -> list[int]:
-        """Return the ids of the processes."""
-        return [] if self._pool is None else list(getattr(self._pool, "_processes", None) or ())
+    @property
+    def tasks(self) -> int:
+        """How many tasks are under way or waiting."""
+        return len(self._stops)
 
     async def run(self, function: Callable[..., Result], *args: Any, client: str = "") -> Result:
-        """Run ``function(*args, cancelled=…)`` in a process; cancelling this cancels the task.
+        """Run ``function(*args, stop=…)`` in a thread; cancelling this stops the task.
 
         Args:
-            function: a function of a module, which takes ``cancelled``, a callable that says
-                whether to stop.
-            args: what can travel between processes.
+            function: what to run; it takes ``stop``, which ``simulate`` looks at.
+            args: its other arguments.
             client: who asks; of those who wait each has its turn, however much another asked.
 
         Raises:
-            WorkerLostError: if the process was killed while it ran ``function``.
             BusyError: if too many tasks wait already.
         """
-        if not self._free:
-            raise BusyError(f"{SLOTS} tasks are waiting already: try again in a moment")
-        slot, ticket = self._free.pop(), next(self._tickets)
-        self._flags[slot] = ticket
-        task = partial(_perform, function, slot, ticket, args)
+        if self.tasks >= MOST:
+            raise BusyError(f"{MOST} tasks are waiting already: try again in a moment")
+        stop = stop_flag()
+        self._stops[id(stop)] = stop
         try:
             async with self._turns.turn(client):
-                for _ in range(TRIES):
-                    try:
-                        return await asyncio.wrap_future(self._submit(task))
-                    except BrokenProcessPool:
-                        if self._begun[slot] == ticket or self._pool is None:
-                            break  # it may be this very task that ends its process; or all is over
-                raise WorkerLostError("a worker process was lost: repeat the request")
+                task = self._pool.submit(function, *args, stop=stop)
+                return await asyncio.wrap_future(task)
         finally:
-            self._flags[slot] = 0
-            self._free.add(slot)
+            stop[0] = 1
+            del self._stops[id(stop)]
 
-    def _submit(self, task: Callable[[], Result]) -> Future[Result]:
-        if self._pool is None:
-            self.start()
-        assert self._pool is not None
-        try:
-            return self._pool.submit(task)
-        except BrokenProcessPool:
-            self._pool.shutdown(wait=False)
-            self.start()
-            return self._pool.submit(task)
+
+def _load() -> None:
+    import scipy.signal  # noqa: F401  (slow to import: not in the middle of the first drag)

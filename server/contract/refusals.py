@@ -19,7 +19,7 @@ from slidetune.robot.errors import (
     UnknownLessonError,
     UnknownPresetError,
 )
-from slidetune.server.compute.workers import BusyError, WorkerLostError
+from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.openapi import methods_at
 from slidetune.server.contract.wrong_request import refused_fields
 from slidetune.server.guard.errors import error_body
@@ -48,7 +48,6 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (UnknownLessonError, 404, "unknown_lesson"),
     (PresetConflictError, 409, "conflict"),
     (PresetStorageError, 507, "storage"),
-    (WorkerLostError, 503, "worker_lost"),
     (BusyError, 503, "busy"),
     (SessionBusyError, 503, "busy"),
     (MessageTooLargeError, 413, "too_large"),

@@ -17,10 +17,10 @@ SUPERSEDED: dict[int | str, dict[str, Any]] = {
     200: {
         "content": {BINARY: {}},
         "description": "See ``encode_responses``. Each lane's ``accuracy`` holds "
-        "``error_estimate`` [rad], null in a quick run; ``unconverged``, steps whose equation was "
-        "not solved to its tolerance; ``capped``, rows whose step was not subdivided as far as its "
-        "error requires; ``remark``, what is wrong and what would help; ``patch``, which sets it, "
-        "or null.",
+        "``error_estimate`` [rad], null where none was asked for; ``unconverged``, steps whose "
+        "equation was not solved to its tolerance; ``capped``, rows whose step was not subdivided "
+        "as far as its error requires; ``remark``, what is wrong and what would help; ``patch``, "
+        "which sets it, or null.",
     },
     204: {"description": "Superseded by a newer request of the same client."},
     422: {"model": ErrorAnswer},
@@ -39,8 +39,10 @@ class PreviewRequest(Strict):
     experiment: dict[str, Any] | None = Field(
         None, description="A complete experiment to use instead of the live one."
     )
-    quick: bool = Field(
-        False, description="2 ms steps and no estimate of their error, as during a drag."
+    estimate: bool = Field(
+        True,
+        description="Whether the error of each run is estimated, which takes half as long again; "
+        "a drag does without.",
     )
     client: str = Field(
         "", max_length=80, description="A newer request of the same client cancels the older one."
@@ -65,9 +67,9 @@ def preview_router(app_state: AppState) -> APIRouter:
         """
         revision = app_state.document.revision
         experiment = app_state.experiment_of(wanted.experiment, wanted.patch)
-        keep = not wanted.quick and experiment == app_state.document.experiment
+        keep = wanted.estimate and experiment == app_state.document.experiment
         turn = request.client.host if request.client else ""
-        work = app_state.previews.respond(experiment, wanted.quick, wanted.client, turn)
+        work = app_state.previews.respond(experiment, wanted.estimate, wanted.client, turn)
         responses = await until_gone(request, work)
         if responses is None:
             return Response(status_code=204)
@@ -76,7 +78,12 @@ def preview_router(app_state: AppState) -> APIRouter:
             app_state.view.show_responses({name: r.path for name, r in shown.items()})
         horizon = experiment.simulation.horizon
         hold = experiment.simulation.hold
-        head = {"revision": revision, "quick": wanted.quick, "horizon": horizon, "hold": hold}
+        head = {
+            "revision": revision,
+            "estimated": wanted.estimate,
+            "horizon": horizon,
+            "hold": hold,
+        }
         message = encode_responses(head, responses)
         if keep:
             app_state.results.keep_response(revision, message)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
-from collections.abc import AsyncIterator
+import os
+from collections import deque
+from collections.abc import AsyncIterator, Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body
@@ -18,13 +21,15 @@ from slidetune.robot.study.knob import COUNT
 from slidetune.robot.study.plan import Trial, sensitivity, strip, switching_comparison
 from slidetune.robot.study.variant import figures
 from slidetune.server.compute.run_cost import refuse_if_costly
-from slidetune.server.compute.workers import BusyError, WorkerLostError
+from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
 from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"
+AT_ONCE = max(2, (os.cpu_count() or 2) - 1)
+"""Runs of a study that are under way at once (*ours*)."""
 LINES: dict[int | str, dict[str, Any]] = {
     200: {"content": {NDJSON: {}}, "description": "One JSON object per line, as the runs end."},
     422: {"model": ErrorAnswer},
@@ -72,6 +77,11 @@ class SensitivityRequest(StudyRequest):
     )
 
 
+def _line(trial: Trial, result: Mapping[str, Any], number: int, count: int, revision: int) -> str:
+    row = {"number": number, "count": count, "revision": revision, **trial.document(), **result}
+    return json.dumps(row, allow_nan=False, ensure_ascii=False) + "\n"
+
+
 def studies_router(app_state: AppState) -> APIRouter:
     """Return the routes of the studies."""
     router = APIRouter(prefix="/api/studies", tags=["studies"])
@@ -83,23 +93,26 @@ def studies_router(app_state: AppState) -> APIRouter:
         refuse_if_costly(experiment)
         turn = f"study {next(numbers)}"
 
+        async def figures_of(trial: Trial) -> dict[str, Any]:
+            try:
+                arguments = experiment, lane, trial.patch
+                return await app_state.workers.run(figures, *arguments, client=turn)
+            except BusyError as error:
+                return {**dict.fromkeys(STUDIED), "state": "refused", "reason": str(error)}
+
         async def lines() -> AsyncIterator[str]:
-            # One at a time: a preview that comes meanwhile waits for one run, not for all.
-            for number, trial in enumerate(trials):
-                try:
-                    arguments = experiment, lane, trial.patch
-                    result = await app_state.workers.run(figures, *arguments, client=turn)
-                except (BusyError, WorkerLostError) as error:
-                    nothing = dict.fromkeys(STUDIED)
-                    result = {**nothing, "state": "refused", "reason": str(error)}
-                row = {
-                    "number": number,
-                    "count": len(trials),
-                    "revision": revision,
-                    **trial.document(),
-                    **result,
-                }
-                yield json.dumps(row, allow_nan=False, ensure_ascii=False) + "\n"
+            # One a core: a preview that comes meanwhile waits for one run, not for all.
+            waiting = (asyncio.ensure_future(figures_of(trial)) for trial in trials)
+            under_way = deque(itertools.islice(waiting, AT_ONCE))
+            try:
+                for number, trial in enumerate(trials):
+                    result = await under_way.popleft()
+                    under_way.extend(itertools.islice(waiting, 1))
+                    told = number, len(trials), revision
+                    yield _line(trial, result, *told)
+            finally:
+                for task in under_way:
+                    task.cancel()
 
         return _Limited(running, lines())
 

@@ -127,7 +127,7 @@ class SceneFeed:
         moment = self._looked_at(loop)
         q_d = next(iter(lanes.values())).work[QD]
         if moment is not None:
-            q_d = desired_motion(loop.packed, np.array([moment.time]))[0][0]
+            q_d = desired_motion(loop.packed.trajectory, np.array([moment.time]))[0][0]
         angles = moment.angles() if moment is not None else {}
         stops = moment.freezes if moment is not None else {}
         self.scene.update(
@@ -169,7 +169,7 @@ class SceneFeed:
             return
         self._shown = shown
         time = np.linspace(0.0, experiment.simulation.horizon, PATH_POINTS)
-        desired = flange_positions(desired_motion(packed, time)[0])
+        desired = flange_positions(desired_motion(packed.trajectory, time)[0])
         styles = [LaneStyle(name, self._colors.of(name)) for name in lanes]
         self.scene.configure(styles, self.selected, experiment.robot, desired)
         self.scene.view(self.exaggeration, self.ghosts)

@@ -60,7 +60,7 @@ class AppState:
         session: the stepping thread.
         view: the 3D view.
         history: who changed what.
-        workers: processes for whole runs.
+        workers: threads for whole runs.
         previews: whole responses for the screen.
         results: what the owner last asked for of the live experiment.
         started: monotonic time of the start in [s].

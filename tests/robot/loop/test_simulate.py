@@ -23,7 +23,7 @@ from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS, Section
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
-from slidetune.robot.loop.simulate import CancelledError, LaneRun, Run, simulate
+from slidetune.robot.loop.simulate import CancelledError, LaneRun, Run, simulate, stop_flag
 from slidetune.robot.motion.trajectory import (
     CircleTrajectory,
     HoldTrajectory,
@@ -253,16 +253,20 @@ def test_progress_goes_from_none_to_all_in_order() -> None:
     assert len(shares) > 4
 
 
-def test_a_run_can_be_cancelled_halfway() -> None:
-    asked: list[int] = []
+@pytest.mark.parametrize("mode", ["continuous", "sampled"])
+def test_a_run_can_be_stopped_halfway(mode: str) -> None:
+    stop, shares = stop_flag(), list[float]()
 
-    def cancelled() -> bool:
-        asked.append(1)
-        return len(asked) > 3
+    def tell(share: float) -> None:
+        shares.append(share)
+        stop[0] = share > 0.3
 
+    calm = {"law": "smc", "k1": 5.0, "k2": 1.0}
+    simulation = {"mode": mode, "horizon": 60.0}
+    heavy = {"robot": {"armature": 5.0}, "lanes": {"A": calm}, "simulation": simulation}
     with pytest.raises(CancelledError):
-        simulate(experiment_of({"simulation": {"horizon": 60.0}}), cancelled=cancelled)
-    assert len(asked) == 4
+        simulate(experiment_of(heavy), tell, stop)
+    assert 0.3 < shares[-1] < 0.4
 
 
 def test_an_unreachable_trajectory_is_refused_before_the_run() -> None:

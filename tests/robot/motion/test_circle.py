@@ -36,7 +36,7 @@ def desired(circle: CircleTrajectory, turns: float = 1.0, rows: int = 3001) -> t
     """Return times [s], q_d and v_d along a circle, between its samples too."""
     document = {"trajectory": circle.model_dump()}
     times = np.linspace(0.0, turns * circle.period, rows)
-    return times, *desired_motion(pack(Experiment.from_document(document)), times)
+    return times, *desired_motion(pack(Experiment.from_document(document)).trajectory, times)
 
 
 def off_circle(circle: CircleTrajectory, q: Array) -> float:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import struct
 import threading
 import time
@@ -17,15 +15,14 @@ import numpy as np
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.laws.terms.switching import SWITCHINGS
 from slidetune.robot.loop.figures import STUDIED
-from slidetune.robot.loop.response import CHANNELS, quickened
+from slidetune.robot.loop.response import CHANNELS
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.study.knob import knob, knobs
 from slidetune.robot.study.plan import EPSILONS, sensitivity, strip, switching_comparison
 from slidetune.robot.study.variant import figures
-from tests.server.conftest import LANES, Served
+from tests.server.conftest import Served
 
 Array = np.ndarray
 Body = dict[str, Any]
@@ -112,7 +109,7 @@ def wait_for(condition: Callable[[], object], what: str) -> None:
 def wait_until_running(served: Served) -> None:
     """Wait until a worker has a task."""
     workers = served.app_state.workers
-    wait_for(lambda: any(workers._flags), "a task in a worker")
+    wait_for(lambda: workers.tasks, "a task in a worker")
 
 
 @pytest.fixture
@@ -136,7 +133,7 @@ def test_metrics_are_those_of_simulate(served: Served) -> None:
     experiment = served.app_state.document.experiment.patched(SHORT)
     head, lanes = preview(served, patch=SHORT)
     run = simulate(experiment)
-    assert (head["quick"], head["horizon"]) == (False, 1.0)
+    assert (head["estimated"], head["horizon"]) == (True, 1.0)
     assert head["channels"] == list(CHANNELS)
     assert [lane["name"] for lane in head["lanes"]] == list(experiment.lanes)
     for lane in head["lanes"]:
@@ -163,27 +160,23 @@ def test_columns_run_over_the_horizon_and_keep_every_peak(served: Served) -> Non
             assert (thin.min(), thin.max()) == pytest.approx((whole.min(), whole.max()))
 
 
-def test_a_quick_run_is_within_a_fifth_of_a_milliradian(served: Served) -> None:
-    paper = load_preset("paper")
-    quick, exact = simulate(quickened(paper)), simulate(paper)
-    head, _ = preview(served, experiment=paper.document(), quick=True)
-    assert head["quick"]
-    for lane in head["lanes"]:
-        name = lane["name"]
-        expected = quick.lanes[name].metrics.mae
-        assert lane["metrics"]["mae"] == pytest.approx(expected.tolist())
-        assert np.abs(quick.lanes[name].e - exact.lanes[name].e[::2]).max() < 2e-4
+def test_a_run_without_an_estimate_is_the_same_run(served: Served) -> None:
+    patch = {**CALM, "simulation": {"mode": "sampled", "plant_substeps": 2, "horizon": 0.5}}
+    without, columns = preview(served, patch=patch, estimate=False)
+    with_one, same = preview(served, patch=patch)
+    assert (without["estimated"], with_one["estimated"]) == (False, True)
+    assert without["lanes"][0]["metrics"] == with_one["lanes"][0]["metrics"]
+    assert without["lanes"][0]["accuracy"]["error_estimate"] is None
+    assert with_one["lanes"][0]["accuracy"]["error_estimate"] > 0.0
+    for name, table in columns.items():
+        np.testing.assert_array_equal(table, same[name])
 
 
-def test_a_quick_run_has_no_estimate_and_an_exact_one_after_it_has(served: Served) -> None:
-    # Two steps of the arm a period are both: the experiment's own, and good enough for a drag.
-    sampled = {"mode": "sampled", "plant_substeps": 2, "horizon": 0.5}
-    patch = {**CALM, "simulation": sampled}
-    quick, _ = preview(served, patch=patch, quick=True)
-    exact, _ = preview(served, patch=patch)
-    assert quick["lanes"][0]["metrics"] == exact["lanes"][0]["metrics"]
-    assert quick["lanes"][0]["accuracy"]["error_estimate"] is None
-    assert exact["lanes"][0]["accuracy"]["error_estimate"] > 0.0
+def test_an_estimate_that_is_known_is_told_to_who_asks_for_none(served: Served) -> None:
+    patch = {**CALM, "simulation": {"horizon": 0.5}}
+    known, _ = preview(served, patch=patch)
+    again, _ = preview(served, patch=patch, estimate=False)
+    assert again["lanes"] == known["lanes"]
 
 
 def test_a_patch_is_tried_without_changing_the_live_document(served: Served) -> None:
@@ -278,41 +271,10 @@ def test_a_client_that_leaves_stops_its_run(served: Served) -> None:
     wait_until_running(served)
     assert left.wait(WAIT)
     thread.join(WAIT)
-    wait_for(lambda: not any(served.app_state.workers._flags), "the end of the run")
-
-
-def test_a_killed_worker_costs_at_most_the_answer_it_owed(
-    served: Served, background: ThreadPoolExecutor
-) -> None:
-    owed = asked(background, served, patch={**CALM, **SLOW})
-    wait_until_running(served)
-    wait_for(served.app_state.workers.processes, "a worker process")
-    for process in served.app_state.workers.processes():
-        os.kill(process, signal.SIGKILL)
-    answer = owed.result(WAIT)
-    assert answer.status_code in {200, 503}
-    if answer.status_code == 503:
-        assert answer.json()["error"]["code"] == "worker_lost"
-    head, _ = preview(served, patch={**SHORT, "lanes": {"NFTSM": {"nu": 7}}})
-    expected = simulate(
-        served.app_state.document.experiment.patched({**SHORT, "lanes": {"NFTSM": {"nu": 7}}})
-    )
-    measured = head["lanes"][2]["metrics"]["mae"]
-    assert measured == pytest.approx(expected.lanes["NFTSM"].metrics.mae.tolist())
+    wait_for(lambda: not served.app_state.workers.tasks, "the end of the run")
 
 
 # Studies
-
-
-def test_a_drag_s_coarser_runs_are_made_before_it_begins(served: Served) -> None:
-    known = served.app_state.previews._known
-    known.clear()
-    preview(served, patch=SHORT, client="hand")
-    end = time.monotonic() + WAIT
-    # Each lane with the step of the experiment, and with that of a drag.
-    while len(known) < 2 * len(LANES):
-        assert time.monotonic() < end, f"{len(known)} responses are known"
-        time.sleep(0.02)
 
 
 def test_a_strip_tries_a_knob_along_its_track(served: Served) -> None:

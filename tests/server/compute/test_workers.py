@@ -1,39 +1,61 @@
-"""Worker processes: results, cancelling, and a killed one."""
+"""Worker threads: results, stopping, and turns."""
 
 from __future__ import annotations
 
 import asyncio
-import os
-import signal
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
-from slidetune.server.compute.workers import WorkerLostError, Workers
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.simulate import CancelledError, simulate
+from slidetune.server.compute.workers import MOST, BusyError, Workers
+
+Array = np.ndarray
+PATIENCE = 60.0
 
 
-def double(value: int, cancelled: Callable[[], bool]) -> int:
+def double(value: int, stop: Array) -> int:
     return 2 * value
 
 
-def wait_until_cancelled(path: str, cancelled: Callable[[], bool]) -> None:
-    while not cancelled():
+def wait_until_stopped(begun: threading.Event, told: threading.Event, stop: Array) -> None:
+    begun.set()
+    while not stop[0]:
         time.sleep(0.01)
-    with open(path, "w") as file:
-        file.write("cancelled")
+    told.set()
 
 
-def refuse(cancelled: Callable[[], bool]) -> None:
+def refuse(stop: Array) -> None:
     raise ValueError("refused on purpose")
 
 
-@pytest.fixture(scope="module")
+def long_run(begun: threading.Event, ended: list[BaseException], stop: Array) -> None:
+    document = {"simulation": {"mode": "sampled", "horizon": 60.0, "plant_substeps": 100}}
+    experiment = Experiment.from_document(document)
+    begun.set()
+    try:
+        simulate(experiment, stop=stop)
+    except BaseException as error:
+        ended.append(error)
+        raise
+
+
+@pytest.fixture
 def workers() -> Iterator[Workers]:
     workers = Workers(1)
     workers.start()
     yield workers
     workers.stop()
+
+
+async def cancelled_once_begun(work: asyncio.Task[None], begun: threading.Event) -> None:
+    assert await asyncio.to_thread(begun.wait, PATIENCE)
+    work.cancel()
+    await asyncio.gather(work, return_exceptions=True)
 
 
 def test_a_task_returns_its_result(workers: Workers) -> None:
@@ -45,45 +67,47 @@ def test_an_error_comes_back_as_itself(workers: Workers) -> None:
         asyncio.run(workers.run(refuse))
 
 
-def test_a_cancelled_task_stops_in_the_worker(workers: Workers, tmp_path: object) -> None:
-    path = f"{tmp_path}/told"
+def test_a_cancelled_task_is_told_in_its_thread(workers: Workers) -> None:
+    begun, told = threading.Event(), threading.Event()
 
     async def start_and_cancel() -> None:
-        task = asyncio.ensure_future(workers.run(wait_until_cancelled, path))
-        await asyncio.sleep(0.5)
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
+        work = asyncio.ensure_future(workers.run(wait_until_stopped, begun, told))
+        await cancelled_once_begun(work, begun)
 
     asyncio.run(start_and_cancel())
+    assert told.wait(PATIENCE)
     assert asyncio.run(workers.run(double, 1)) == 2
-    end = time.monotonic() + 30.0
-    while not os.path.exists(path):
-        assert time.monotonic() < end, "the worker was not told"
-        time.sleep(0.01)
 
 
-def test_a_killed_worker_is_told_and_replaced(workers: Workers) -> None:
-    async def kill() -> None:
-        task = asyncio.ensure_future(workers.run(wait_until_cancelled, "/dev/null"))
-        await asyncio.sleep(0.5)
-        for process in workers.processes():
-            os.kill(process, signal.SIGKILL)
-        await task
+def test_a_whole_run_ends_early_when_it_is_cancelled(workers: Workers) -> None:
+    begun, ended = threading.Event(), list[BaseException]()
 
-    with pytest.raises(WorkerLostError, match="repeat the request"):
-        asyncio.run(kill())
-    assert asyncio.run(workers.run(double, 4)) == 8
+    async def start_and_cancel() -> None:
+        work = asyncio.ensure_future(workers.run(long_run, begun, ended))
+        await cancelled_once_begun(work, begun)
+
+    asyncio.run(start_and_cancel())
+    # The only thread is free again.
+    assert asyncio.run(workers.run(double, 2)) == 4
+    assert [type(error) for error in ended] == [CancelledError]
 
 
-def test_a_worker_that_was_killed_at_rest_costs_nothing(workers: Workers) -> None:
-    async def kill_and_ask(value: int) -> int:
-        await workers.run(double, 0)
-        for process in workers.processes():
-            os.kill(process, signal.SIGKILL)
-        return await workers.run(double, value)
+def test_others_go_on_while_a_whole_run_is_made(workers: Workers) -> None:
+    begun, ended = threading.Event(), list[BaseException]()
 
-    # At once: the pool can't know yet.
-    assert [asyncio.run(kill_and_ask(value)) for value in range(3)] == [0, 2, 4]
+    async def count() -> int:
+        work = asyncio.ensure_future(workers.run(long_run, begun, ended))
+        assert await asyncio.to_thread(begun.wait, PATIENCE)
+        turns = 0
+        # Within the run: it isn't over when this loop has been given the interpreter so often.
+        while turns < 100 and not ended:
+            await asyncio.sleep(0.0)
+            turns += 1
+        work.cancel()
+        await asyncio.gather(work, return_exceptions=True)
+        return turns
+
+    assert asyncio.run(count()) == 100
 
 
 def test_one_who_asks_for_much_keeps_nobody_waiting_for_all_of_it(workers: Workers) -> None:
@@ -100,10 +124,27 @@ def test_one_who_asks_for_much_keeps_nobody_waiting_for_all_of_it(workers: Worke
     assert [place for place, client in enumerate(done) if client == "other"] == [2, 4]
 
 
-def test_stop_leaves_no_process() -> None:
+def test_more_than_can_wait_are_refused_and_the_others_are_served(workers: Workers) -> None:
+    async def ask_for_too_much() -> list[int | BaseException]:
+        asked = [workers.run(double, number) for number in range(MOST + 1)]
+        return await asyncio.gather(*asked, return_exceptions=True)
+
+    answers = asyncio.run(ask_for_too_much())
+    assert answers[:MOST] == [2 * number for number in range(MOST)]
+    assert isinstance(answers[-1], BusyError)
+
+
+def test_stop_ends_what_runs_and_leaves_no_thread() -> None:
     workers = Workers(1)
-    assert asyncio.run(workers.run(double, 1)) == 2
-    (process,) = workers.processes()
-    workers.stop()
-    with pytest.raises(ProcessLookupError):
-        os.kill(process, 0)
+    begun, told = threading.Event(), threading.Event()
+
+    async def stop_once_begun() -> None:
+        work = asyncio.ensure_future(workers.run(wait_until_stopped, begun, told))
+        assert await asyncio.to_thread(begun.wait, PATIENCE)
+        workers.stop()
+        await work
+
+    before = threading.active_count()
+    asyncio.run(stop_once_begun())
+    assert told.is_set()
+    assert threading.active_count() <= before

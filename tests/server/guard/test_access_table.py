@@ -233,7 +233,7 @@ def test_every_kind_of_answer_carries_the_security_headers(
         "file": ask("GET", "/static/screen/style.css"),
         "JSON": ask("GET", "/api/session"),
         "YAML": ask("GET", "/api/experiment?format=yaml"),
-        "numbers": ask("POST", "/api/preview", json={"quick": True}),
+        "numbers": ask("POST", "/api/preview", json={"estimate": False}),
         "lines": ask(
             "POST", "/api/studies/strip", json={"lane": "NFTSM", "field": "nu", "count": 2}
         ),

@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from slidetune.robot.experiment.presets import preset_store, save_preset
+from slidetune.server.compute import workers
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import (
     MAX_BODY,
@@ -277,9 +278,9 @@ def test_one_study_more_than_may_be_is_refused_and_a_seat_comes_free(served: Ser
 def test_a_task_that_finds_no_place_in_the_queue_is_refused(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(served.app_state.workers, "_free", set())
+    monkeypatch.setattr(workers, "MOST", 0)
     text = refusal(served.http.post("/api/lens", json={"lane": "NFTSM"}), 503, "busy")
-    assert "256 tasks" in text
+    assert "0 tasks" in text
 
 
 def test_a_seat_comes_free_however_its_holder_ends() -> None:

@@ -53,7 +53,7 @@ def test_nothing_is_fetched_from_elsewhere(called: list[str], tmp_path: Path) ->
             "/static/plotly.min.js",
         ):
             server.http.get(path).raise_for_status()
-        server.http.post("/api/preview", json={"quick": True}).raise_for_status()
+        server.http.post("/api/preview", json={"estimate": False}).raise_for_status()
         server.http.post("/api/lens", json={"lane": "NFTSM"}).raise_for_status()
     assert called, "the hook hears nothing"
     assert [name for name in called if not is_here(name)] == []

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.loop.response import only_lane, quickened
+from slidetune.robot.loop.response import only_lane
 from slidetune.robot.loop.simulate import simulate
 from tests.server.conftest import Served
 
@@ -98,7 +98,7 @@ def test_the_figures_are_those_of_a_whole_run(served: Served) -> None:
     prepare(served, "paper")
     row = strip(served, "NFTSM", "c", 3)[1]
     experiment = served.app_state.document.experiment.patched(row["patch"])
-    metrics = simulate(quickened(only_lane(experiment, "NFTSM"))).lanes["NFTSM"].metrics
+    metrics = simulate(only_lane(experiment, "NFTSM")).lanes["NFTSM"].metrics
     assert row["value"] == pytest.approx(np.sqrt(0.05 * 50.0))
     assert row["mae"] == metrics.mae.mean()
     assert row["max_error"] == metrics.max_error.max()

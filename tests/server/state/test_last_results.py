@@ -74,7 +74,7 @@ def test_a_watcher_reads_the_owners_last_response_and_computes_nothing(
 def test_only_an_exact_response_of_the_live_experiment_is_shared(
     owner: httpx.Client, watcher: httpx.Client
 ) -> None:
-    respond(owner, quick=True)
+    respond(owner, estimate=False)
     respond(owner, patch={"lanes": {"NFTSM": {"nu": 3}}})
     respond(owner, experiment={**SHORT, "title": "Another"})
     assert watcher.get(RESPONSE).status_code == 204

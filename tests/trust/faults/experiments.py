@@ -167,7 +167,7 @@ def _one_live(http: httpx.Client, live: Follower, document: Document, number: in
     for address in ("/api/metrics", "/api/session", "/api/experiment"):
         strict_json(http.get(address).raise_for_status().content)
     if number % 5 == 0:
-        whole = http.post("/api/preview", json={"quick": True})
+        whole = http.post("/api/preview", json={"estimate": False})
         if whole.status_code != 200:
             return f"its whole response: {whole.status_code}"
     lanes = live.state["lanes"].values()

@@ -28,7 +28,7 @@ def fill(world: World, bar: Bar) -> None:
     law = {"law": "nftsm"}
     lanes = {f"lane {number}": law for number in range(LANES - 3)}
     world.ask("PATCH", "/api/experiment", {"lanes": lanes})
-    world.ask("POST", "/api/preview", {"quick": True, "show": True})
+    world.ask("POST", "/api/preview", {"estimate": False, "show": True})
     for seed in range(3):
         watch(world, Random(seed))
     edits = LENGTH + 20
@@ -39,7 +39,7 @@ def fill(world: World, bar: Bar) -> None:
     for number in range(KEPT):
         bar.show("Soak: filling what is bounded: previews", number / KEPT)
         patch = {"lanes": {"NFTSM": {"nu": 2.0 + number}}}
-        world.ask("POST", "/api/preview", {"quick": number % 2 == 0, "patch": patch})
+        world.ask("POST", "/api/preview", {"estimate": number % 2 == 1, "patch": patch})
     bar.show("Soak: filling what is bounded: pools of threads", 0.9)
     _crowd(world)
 

@@ -234,7 +234,7 @@ def preview(world: World, dice: Random) -> None:
     lane = dice.choice(world.lanes())
     wanted = {
         "patch": {"lanes": {lane: {"nu": dice.uniform(1.0, 30.0)}}},
-        "quick": dice.random() < 0.7,
+        "estimate": dice.random() > 0.7,
         "client": "soak",
         "show": dice.random() < 0.7,
     }
