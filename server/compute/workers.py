@@ -45,15 +45,16 @@ class Workers:
     """A pool of threads."""
 
     def __init__(self, count: int | None = None) -> None:
-        """Say how many threads there will be; they start when they are needed."""
+        """Say how many threads there will be."""
         self._count = count or worker_count()
         self._stops: dict[int, np.ndarray] = {}
         self._turns = Turns(self._count)
         self._pool = ThreadPoolExecutor(self._count, "worker", _begin)
 
     def start(self) -> None:
-        """Load what the first task would have to wait for."""
-        self._pool.submit(_load)
+        """Start the threads, and load what the first task would have to wait for."""
+        for _ in range(self._count):
+            self._pool.submit(_load)
 
     def stop(self) -> None:
         """Stop all tasks; none begins any more."""

@@ -16,7 +16,6 @@ class Footprint:
 
     Attributes:
         memory: resident memory in [MB].
-        offspring: resident memory of its child processes together in [MB].
         threads: its threads.
         files: open file descriptors, sockets among them.
         sockets: open sockets.
@@ -24,7 +23,6 @@ class Footprint:
     """
 
     memory: float
-    offspring: float
     threads: int
     files: int
     sockets: int
@@ -43,15 +41,13 @@ def footprint(process: int) -> Footprint:
         OSError: if there is no such process.
     """
     folder = PROC / str(process)
-    family = children(process)
     links = [_target(link) for link in (folder / "fd").iterdir()]
     return Footprint(
         memory=resident(process),
-        offspring=sum(map(resident, family)),
         threads=len(list((folder / "task").iterdir())),
         files=len(links),
         sockets=sum(link.startswith("socket:") for link in links),
-        children=family,
+        children=children(process),
     )
 
 

@@ -127,29 +127,3 @@ def served(**arguments: Any) -> Iterator[Server]:
         yield server
     finally:
         server.end()
-
-
-def children(process: int) -> dict[int, str]:
-    """Return the processes that a process has started: their ids and their command lines."""
-    listing = ["ps", "-A", "-o", "pid=,ppid=,args="]
-    if Path("/proc/self/stat").exists():
-        found = [_status(path) for path in Path("/proc").iterdir() if path.name.isdigit()]
-    else:
-        text = subprocess.run(listing, capture_output=True, text=True, check=True).stdout
-        rows = (line.split(None, 2) for line in text.splitlines())
-        found = [(int(row[0]), int(row[1]), row[-1]) for row in rows if len(row) > 2]
-    return {pid: command for pid, parent, command in found if parent == process}
-
-
-def _status(folder: Path) -> tuple[int, int, str]:
-    try:
-        parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
-        command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
-    except OSError:  # it has just ended
-        return int(folder.name), -1, ""
-    return int(folder.name), parent, command
-
-
-def workers(process: int) -> list[int]:
-    """Return the ids of a server's worker processes."""
-    return [pid for pid, command in children(process).items() if "spawn_main" in command]

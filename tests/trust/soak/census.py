@@ -19,7 +19,6 @@ DEADLINE = 30.0
 POOLED = min(32, (os.cpu_count() or 1) + 4)
 """Threads that asyncio's pool keeps once it happened to need them; how many of them there are when
 the soak begins is chance. A thread lost with every visitor would soon be far above that."""
-MEMORY = ("memory", "offspring")
 SAMPLES = 5
 """Times that the memory is read (*ours*)."""
 
@@ -80,8 +79,7 @@ def take_census(
     state = world.ask("GET", "/api/session")
     factor = state.json()["real_time_factor"] if state is not None else 0.0
     held = _held(world, process)
-    memory, offspring = (median(getattr(one, name) for one in held) for name in MEMORY)
-    last = replace(held[-1], memory=memory, offspring=offspring)
+    last = replace(held[-1], memory=median(one.memory for one in held))
     return Census(perf_counter() - begin, last, nodes, messages, welcome, factor)
 
 

@@ -114,7 +114,6 @@ def _keep_visiting(world: World, visit: Visit, pause: float, dice: Random) -> No
 def _most(one: Footprint, other: Footprint) -> Footprint:
     return Footprint(
         max(one.memory, other.memory),
-        max(one.offspring, other.offspring),
         max(one.threads, other.threads),
         max(one.files, other.files),
         max(one.sockets, other.sockets),

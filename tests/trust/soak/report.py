@@ -66,7 +66,6 @@ def _body(day: Day, grown: dict[str, Growth], orphans: int) -> str:
 
     rows = [
         row("resident memory [MB]", lambda c: c.held.memory, most.memory),
-        row("memory of its worker processes [MB]", lambda c: c.held.offspring, most.offspring),
         row("threads", lambda c: c.held.threads, most.threads),
         row("open files", lambda c: c.held.files, most.files),
         row("sockets", lambda c: c.held.sockets, most.sockets),
@@ -88,14 +87,11 @@ def _body(day: Day, grown: dict[str, Growth], orphans: int) -> str:
 
 
 def _grown(day: Day) -> dict[str, Growth]:
-    """Return how the memory of the server and of its workers grew; nothing after a short day."""
+    """Return how the memory of the server grew; nothing after a short day."""
     if len(day.warm) < 3:
         return {}
     times = [count.time for count in day.warm]
-    return {
-        "the server": growth(times, [count.held.memory for count in day.warm]),
-        "its workers": growth(times, [count.held.offspring for count in day.warm]),
-    }
+    return {"the server": growth(times, [count.held.memory for count in day.warm])}
 
 
 def _growth_text(grown: dict[str, Growth], counts: int) -> str:
