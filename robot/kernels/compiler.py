@@ -27,6 +27,9 @@ KEPT = 6
 """Versions whose compiled kernels are kept, about 3 MB each (*ours*)."""
 _HANDED_ON = "SLIDETUNE_KERNELS"
 """Environment variable by which a process tells those that it starts of its temporary folder."""
+_OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+"""No check of a divisor; and a product may join a sum without being rounded in between, which saves
+a step 6 % of its time and changes last digits alone."""
 _ROBOT = Path(__file__).parents[1]
 _CONSTANTS = (
     "environment/layout.py",
@@ -115,25 +118,25 @@ def kernel(function: Function) -> Function:
     It keeps the interpreter's lock: it ends long before another thread would be given a turn, and
     a thread that steps in real time would have to ask for the lock again after each call.
     """
-    compiled: Any = numba.njit(cache=True, error_model="numpy")(function)
+    compiled: Any = numba.njit(cache=True, **_OPTIONS)(function)
     return cast(Function, compiled)
 
 
 def released(function: Function) -> Function:
     """Do the same for a function that takes long: it lets other threads run meanwhile."""
-    compiled: Any = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    compiled: Any = numba.njit(cache=True, nogil=True, **_OPTIONS)(function)
     return cast(Function, compiled)
 
 
 def inlined(function: Function) -> Function:
     """Compile ``function`` into every kernel that calls it: for what is small and called often."""
-    compiled: Any = numba.njit(error_model="numpy", forceinline=True)(function)
+    compiled: Any = numba.njit(forceinline=True, **_OPTIONS)(function)
     return cast(Function, compiled)
 
 
 def part(function: Function) -> Function:
     """Write ``function`` out in the one kernel that calls it: for what is large and has a name."""
-    written_out: Any = numba.njit(error_model="numpy", inline="always")(function)
+    written_out: Any = numba.njit(inline="always", **_OPTIONS)(function)
     return cast(Function, written_out)
 
 
