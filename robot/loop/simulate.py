@@ -24,7 +24,6 @@ from slidetune.robot.kernels.workspace import (
     NODES,
     QD,
     RECORD,
-    RECORD_COLUMNS,
     TALLY,
     UNSOLVED,
     VD,
@@ -35,6 +34,7 @@ from slidetune.robot.loop.accuracy import LOOSER, Accuracy, difference, judge, s
 from slidetune.robot.loop.horizon import bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Freeze, Lane
 from slidetune.robot.loop.metrics import Metrics, measure_lane
+from slidetune.robot.loop.record_memory import record_of
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -176,7 +176,7 @@ def _run_lane(name: str, packed: Packed, tolerance: float, stop: Array, tell: Te
     simulation = packed.experiment.simulation
     count = simulation.rows
     cutting = cutting_of_whole_run(count, tolerance)
-    lane = Lane(name, packed, np.zeros((count, RECORD_COLUMNS)), cutting)
+    lane = Lane(name, packed, record_of(count), cutting)
     make = bind_rows(lane, packed) or stepped_rows(lane, packed)
     rows, at_once = np.zeros(2, np.int64), count if tell is None else count // _TOLD + 1
     while rows[0] < count:
