@@ -112,26 +112,36 @@ _WARM = CACHE / "warm"
 numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
 
 
+_all: list[Any] = []
+
+
+def _listed(compiled: Any) -> Any:
+    _all.append(compiled)
+    return compiled
+
+
+def compiled_count() -> tuple[int, int]:
+    """Return how many kernels are compiled in this process, and how many there are."""
+    return sum(bool(one.signatures) for one in _all), len(_all)
+
+
 def kernel(function: Function) -> Function:
     """Compile ``function`` and keep the result on disk.
 
     It keeps the interpreter's lock: it ends long before another thread would be given a turn, and
     a thread that steps in real time would have to ask for the lock again after each call.
     """
-    compiled: Any = numba.njit(cache=True, **_OPTIONS)(function)
-    return cast(Function, compiled)
+    return cast(Function, _listed(numba.njit(cache=True, **_OPTIONS)(function)))
 
 
 def released(function: Function) -> Function:
     """Do the same for a function that takes long: it lets other threads run meanwhile."""
-    compiled: Any = numba.njit(cache=True, nogil=True, **_OPTIONS)(function)
-    return cast(Function, compiled)
+    return cast(Function, _listed(numba.njit(cache=True, nogil=True, **_OPTIONS)(function)))
 
 
 def inlined(function: Function) -> Function:
     """Compile ``function`` into every kernel that calls it: for what is small and called often."""
-    compiled: Any = numba.njit(forceinline=True, **_OPTIONS)(function)
-    return cast(Function, compiled)
+    return cast(Function, _listed(numba.njit(forceinline=True, **_OPTIONS)(function)))
 
 
 def part(function: Function) -> Function:

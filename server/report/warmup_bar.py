@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
 
 from slidetune.robot.kernels.compiler import is_warm
 from slidetune.robot.loop.warmup import warm_up
@@ -14,12 +14,12 @@ def warm_up_with_bar(console: Console) -> None:
     if is_warm():
         warm_up()
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    console.print("Compiling the control laws (once for this version, about a minute) …")
+    columns = (MofNCompleteColumn(), BarColumn(), TimeElapsedColumn())
+    console.print("Compiling the control laws (once for this version, about half a minute) …")
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("")
+        task = progress.add_task("kernels", total=None)
 
-        def show(number: int, total: int, name: str) -> None:
-            progress.update(task, completed=number, total=total, description=name)
+        def show(number: int, total: int) -> None:
+            progress.update(task, completed=number, total=total)
 
         warm_up(show)
