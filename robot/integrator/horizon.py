@@ -33,7 +33,12 @@ from slidetune.robot.kernels.by_address import called
 from slidetune.robot.kernels.compiler import kernel, released
 from slidetune.robot.kernels.workspace import CURRENT, HALF, MEASURED_Q, MEASURED_V, Q, V
 
+LOOK = 256
+"""Rows between two looks at ``stop`` (*ours*): half a millisecond and more."""
+STOPPED = -4
+"""What a run returns that was stopped."""
 STAGE = types.int64(types.int64, types.float64, types.int64, types.int64[::1])
+"""Signature of ``make_stage``."""
 
 
 def _stage(_context: Any, address: Any, stage: Any, t: Any, row: Any, table: Any) -> Any:
@@ -54,12 +59,6 @@ def _attempt(stage, first, t, row, table):  # type: ignore[no-untyped-def]
         if bad != 0 or first != FIRST:
             return bad
         first, state, t = SECOND, HALF, t + 0.5 * table.view(np.float64)[STEP]
-
-
-LOOK = 256
-"""Rows between two looks at ``stop`` (*ours*): half a millisecond and more."""
-STOPPED = -4
-"""What a run returns that was stopped."""
 
 
 @released

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numba import types
 from numba.core import cgutils
+from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from slidetune.robot.kernels.by_address import address_of, called
@@ -34,8 +35,13 @@ _llvm: Any = cgutils
 
 
 def compiled_law(control: Control) -> int:
-    """Return the address of a law's compiled code, 0 where it can't be compiled."""
-    return address_of(control, _SIGNATURE)
+    """Return the address of a law's compiled code, 0 where there is none."""
+    if not hasattr(control, "get_compile_result"):
+        return 0
+    try:
+        return address_of(control, _SIGNATURE)
+    except NumbaError:
+        return 0
 
 
 def callback(control: Control, gains: Array, inertia: Array, bias: Array, work: Array) -> Any:

@@ -10,27 +10,24 @@ from typing import Any
 
 from numba import types
 from numba.core import cgutils
-from numba.core.errors import NumbaError
 
 
 def address_of(function: Any, signature: Any) -> int:
-    """Return where a function's compiled code is, 0 where it can't be compiled.
+    """Return where a kernel's compiled code is, which is there as long as the kernel.
 
     Args:
-        function: a ``kernel``, or a plain function, for which there is no compiled code.
+        function: a ``kernel``.
         signature: what it returns, and its arguments, as numba types.
+
+    Raises:
+        NumbaError: if it can't be compiled so.
     """
-    if not hasattr(function, "get_compile_result"):
-        return 0
-    try:
-        result = function.get_compile_result(signature)
-    except NumbaError:
-        return 0
+    result = function.get_compile_result(signature)
     address: int = result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
     return address
 
 
-unlikely: Any = cgutils.if_unlikely
+_unlikely: Any = cgutils.if_unlikely
 
 
 def called(signature: Any) -> Any:
@@ -43,7 +40,7 @@ def called(signature: Any) -> Any:
         status, value = convention.call_function(
             builder, function, signature.return_type, signature.args, arguments[1:]
         )
-        with unlikely(builder, status.is_error):
+        with _unlikely(builder, status.is_error):
             convention.return_status_propagate(builder, status)
         return value
 

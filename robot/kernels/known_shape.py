@@ -1,4 +1,7 @@
-"""Arrays of a shape that is known when a kernel is compiled: their rows are found by constants."""
+"""Arrays of a shape that is known when a kernel is compiled: their rows are found by constants.
+
+They must be one block of that shape, which ``kernel_table`` has made sure of.
+"""
 
 from __future__ import annotations
 
