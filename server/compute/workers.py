@@ -32,7 +32,7 @@ class BusyError(SlidetuneError, RuntimeError):
 
 def worker_count() -> int:
     """Return how many threads there are: with three lanes on two cores all end at the same time."""
-    return max(4, (os.cpu_count() or 2) - 1)
+    return max(4, min(16, (os.cpu_count() or 2) - 1))
 
 
 def _begin() -> None:

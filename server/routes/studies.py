@@ -28,7 +28,7 @@ from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
 from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"
-AT_ONCE = max(2, (os.cpu_count() or 2) - 1)
+AT_ONCE = max(2, min(8, (os.cpu_count() or 2) - 1))
 """Runs of a study that are under way at once (*ours*)."""
 LINES: dict[int | str, dict[str, Any]] = {
     200: {"content": {NDJSON: {}}, "description": "One JSON object per line, as the runs end."},
