@@ -167,7 +167,7 @@ def main(
             run_responses(responses, problem, steps, rounds, show)
     whole = f"Whole responses of {steps * problem.h:g} s a second:"
     rows = [row(one, responses, SCHEMES, _figure) for one in responses]
-    about = f"Medians of {rounds} rounds."
+    about = f"Medians of {rounds} rounds; of whole responses the best."
     command = f'make peers ARGS="--seconds {seconds:g} --rounds {rounds}"'
     tables = [_table(contest, problem.h, seconds), whole, table(RESPONSE_HEADINGS, rows)]
     body = "\n\n".join([*tables, *skipped, *fallen, about, provenance(command)])

@@ -135,12 +135,13 @@ def row(
 ) -> list[str]:
     """Return a row of the table."""
     ours = base(responder, all_of_them)
-    times = float(np.median(np.divide(ours.rates, responder.rates)))
+    # The best of each: what else a machine does can only lower a rate on the wall.
+    times = max(ours.rates) / max(responder.rates)
     return [
         f"{responder.workers[0].version}: {responder.name}",
         schemes[responder.scheme],
         f"{BATCH} runs, {THREADS} threads" if responder.in_threads else "2 processes",
-        figure(float(np.median(responder.rates))),
+        figure(max(responder.rates)),
         "1" if ours is responder else figure(times),
     ]
 
