@@ -83,7 +83,7 @@ def run_cases(horizon: float, batch: int) -> list[Case]:
     return [
         Case(f"3 lanes, {length} in steps of 1 ms", "s", _wall(lambda: finished(comparison)), 0.06),
         Case(
-            "the same, each lane in a thread of its own, two cores",
+            "the same, the lanes shared by two threads",
             "s",
             apart,
             0.035 if enough else None,
