@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from time import perf_counter, thread_time
+from time import perf_counter
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
@@ -51,19 +51,6 @@ def _wall(work: Callable[[], object]) -> Callable[[], float]:
     return measure
 
 
-def _estimate(experiment: Experiment) -> Callable[[], float]:
-    """Return how many times as long a run takes with the estimate of its error as without."""
-
-    def measure() -> float:
-        begin = thread_time()
-        finished(experiment)
-        between = thread_time()
-        finished(experiment, estimate=True)
-        return (thread_time() - between) / (between - begin)
-
-    return measure
-
-
 def run_cases(horizon: float, batch: int) -> list[Case]:
     """Return the cases of whole runs.
 
@@ -97,5 +84,4 @@ def run_cases(horizon: float, batch: int) -> list[Case]:
             limit="at least",
             note=note,
         ),
-        Case("run with the estimate of its error, times one without", "", _estimate(lanes[0])),
     ]

@@ -27,29 +27,30 @@ from slidetune.server.bench.stepped import (
 LOOPS = 10_000
 """Calls timed at once (*ours*)."""
 PLAIN_STEP = "plain step, RBFNN-NFTSM"
+ESTIMATED_STEP = "extrapolated step, RBFNN-NFTSM, with the run that estimates the error"
 MODEL_BASED, NETWORK = 1.8, 2.0
 """Targets of an extrapolated step in [µs]: of a law that knows the arm, of one that learns it."""
 MISMATCH = 0.8
 """Ratio of the nominal masses to the true ones where they differ (*ours*)."""
 
 
-def _step(document: dict[str, Any], horizon: float) -> Timing:
-    """Return the timing of a step of one lane in ``simulate``."""
+def _step(document: dict[str, Any], horizon: float, estimate: bool = False) -> Timing:
+    """Return the timing of a step of one lane in ``simulate``, by default without its estimate."""
     settings = {"horizon": horizon, **document["simulation"]}
     experiment = Experiment.from_document({**document, "simulation": settings})
     steps = experiment.simulation.rows * len(experiment.lanes)
 
     def measure() -> float:
         begin = thread_time()
-        finished(experiment)
+        finished(experiment, estimate)
         return (thread_time() - begin) / steps / MICROSECOND
 
     return measure
 
 
-def _law(law: str, scheme: str, horizon: float, **more: Any) -> Timing:
+def _law(law: str, scheme: str, horizon: float, estimate: bool = False, **more: Any) -> Timing:
     lanes, simulation = {"A": {"law": law}}, {"scheme": scheme}
-    return _step({"lanes": lanes, "simulation": simulation, **more}, horizon)
+    return _step({"lanes": lanes, "simulation": simulation, **more}, horizon, estimate)
 
 
 def step_cases(quick: bool) -> list[Case]:
@@ -67,9 +68,11 @@ def step_cases(quick: bool) -> list[Case]:
         target = MODEL_BASED if law.model_based else NETWORK
         measure = _law(name, "extrapolated", horizon)
         cases.append(Case(f"extrapolated step, {law.title}", "µs", measure, target, FLOOR_TWICE))
+    judged = _law(LAW, "extrapolated", horizon, estimate=True)
     other = _law("nftsm", "extrapolated", horizon, disturbance={"nominal_mismatch": MISMATCH})
     return [
         *cases,
+        Case(ESTIMATED_STEP, "µs", judged, floor=FLOOR_TWICE),
         Case("extrapolated step, NFTSM, another nominal arm", "µs", other, 2.6, FLOOR_TWICE),
         Case("sampled period of 10 steps of the arm", "µs", _step(SAMPLED, horizon), 5.0, FLOOR),
         *run_cases(horizon, 2 if quick else 24),
