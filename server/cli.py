@@ -148,7 +148,7 @@ def paper(html: PageOption = "") -> None:
 @cli.command()
 def bench(
     quick: Annotated[
-        bool, typer.Option("--quick", help="Takes seconds, not a minute; noisy.")
+        bool, typer.Option("--quick", help="Takes seconds, not minutes; noisy.")
     ] = False,
     live: Annotated[bool, typer.Option(help="Measure a running server as well.")] = True,
     json: JsonOption = "",

@@ -68,6 +68,7 @@ def measurement(
     *,
     target: float | None = None,
     most: float | None = None,
+    limit: Limit = "at most",
     note: str = "",
 ) -> Measurement:
     """Return the row of repeated measurements.
@@ -77,8 +78,9 @@ def measurement(
         unit: its unit.
         samples: one value a round. Shape (n,).
         floor: the floor's values in the same rounds. Shape (n,).
-        target: greatest permitted value.
+        target: what the best value must reach.
         most: greatest permitted ratio to the floor.
+        limit: on which side of the target it must be, which also tells which value is the best.
         note: a remark.
     """
     values = np.asarray(samples)
@@ -86,10 +88,11 @@ def measurement(
     return Measurement(
         name,
         unit,
-        float(values.min()),
+        float(values.max() if limit == "at least" else values.min()),
         float(np.median(values)),
         ratio,
         target=target,
+        limit=limit,
         most=most,
         note=note,
     )

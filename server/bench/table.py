@@ -17,6 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from slidetune.robot.version import __version__
+from slidetune.server.bench.compiling import measure_compiling
 from slidetune.server.bench.live import measure_live
 from slidetune.server.bench.result import Measurement
 from slidetune.server.bench.served import machine_load
@@ -64,8 +65,11 @@ def measure(quick: bool, live: bool, console: Console) -> Results:
         ``machine``, ``quick`` and ``rows``, as plain JSON values.
     """
     about = machine()
-    with progress_bar(console, "Control steps") as show:
+    with progress_bar(console, "Control steps and runs") as show:
         rows = measure_steps(quick, show)
+    if not quick:
+        with progress_bar(console, "Compilation") as show:
+            rows += measure_compiling(show)
     if live:
         with progress_bar(console, "Live session") as show:
             rows += measure_live(quick, show)
@@ -120,8 +124,10 @@ def print_bench(results: Results, console: Console) -> None:
     console.print(table)
     console.print(
         Text(
-            "Steps: processor time of one step of one lane through simulate(), all of it counted. "
-            "× floor: median ratio in the same rounds, which a busy machine hardly moves, to "
-            "Pinocchio's share of the work: twice M and h for an extrapolated step, once else."
+            "Steps: processor time of one step of one lane through simulate(), all of it counted; "
+            "runs: time on the wall. simulate() has M and h from the compiled recursion, the live "
+            "session from Pinocchio. × floor: median ratio in the same rounds, which a busy "
+            "machine hardly moves, to what Pinocchio needs from Python: M and h twice for an "
+            "extrapolated step, once else."
         )
     )

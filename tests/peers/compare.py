@@ -27,6 +27,9 @@ from tests.peers.contest import (
 )
 from tests.peers.environments import PEERS, UnavailablePeerError, is_ready
 from tests.peers.preset_problem import preset_problem
+from tests.peers.problem import SAMPLE
+from tests.peers.responses import HEADINGS as RESPONSE_HEADINGS
+from tests.peers.responses import Responder, responders, row, run_responses, strays
 from tests.trust.report import provenance, record, table
 
 REFERENCE = Path(__file__).resolve().parents[1] / "data" / "rbfnn-nftsm.csv"
@@ -43,7 +46,13 @@ HEADINGS = (
     "time / ours",
     "error [rad]",
 )
-SCHEMES = {"plain": "plain", "extrapolated": "extrapolated", "own": "its own", "held": "1 ms hold"}
+SCHEMES = {
+    "plain": "plain",
+    "extrapolated": "extrapolated",
+    "own": "its own",
+    "held": "1 ms hold",
+    "open": "open loop",
+}
 
 
 def _start(console: Console, stack: ExitStack) -> tuple[list[Worker], list[str]]:
@@ -117,9 +126,13 @@ def _table(contest: list[Entry], period: float, seconds: float) -> str:
     return table(HEADINGS, [_row(entry, contest, period, seconds) for entry in loops])
 
 
-def _broken(contest: list[Entry]) -> list[str]:
+def _broken(contest: list[Entry], responses: list[Responder], sample: float) -> list[str]:
     """Return what contradicts that one scheme gives one motion, whoever computes it."""
-    return [
+    lost = [
+        f"{way.workers[0].version}, {way.name}: {off:.1e} rad from ours"
+        for way, off in strays(responses, sample, AGREEMENT)
+    ]
+    return lost + [
         f"{entry.worker.version}, {entry.name}, {entry.scheme}: "
         + (f"{distance(entry, base):.1e} rad from ours" if entry.times else "diverges")
         for entry in contest
@@ -149,14 +162,19 @@ def main(
         contest, fallen = _warm_up(console, workers, steps, patience)
         with progress_bar(console, f"Timing, {rounds} rounds") as show:
             run_rounds(contest, problem, rounds, show)
-    about = f"Medians of {rounds} rounds."
+        responses = responders(workers, contest, problem, steps, stack)
+        with progress_bar(console, f"Whole responses, {rounds} rounds") as show:
+            run_responses(responses, problem, steps, rounds, show)
+    whole = f"Whole responses of {steps * problem.h:g} s a second:"
+    rows = [row(one, responses, SCHEMES, _figure) for one in responses]
+    about = f"Medians of {rounds} rounds; of whole responses the best."
     command = f'make peers ARGS="--seconds {seconds:g} --rounds {rounds}"'
-    parts = [_table(contest, problem.h, seconds), *skipped, *fallen, about, provenance(command)]
-    body = "\n\n".join(parts)
+    tables = [_table(contest, problem.h, seconds), whole, table(RESPONSE_HEADINGS, rows)]
+    body = "\n\n".join([*tables, *skipped, *fallen, about, provenance(command)])
     console.print(body, markup=False, soft_wrap=True)
     if write:
         record("performance.md", "peers", body)
-    broken = _broken(contest)
+    broken = _broken(contest, responses, SAMPLE * problem.h)
     for line in broken:
         console.print(f"Not the same motion: {line}", markup=False, style="red")
     raise typer.Exit(1 if broken else 0)

@@ -27,6 +27,7 @@ class Worker:
         peer: which.
         version: its name and version, as it says itself.
         variants: name and scheme of each way in which it runs the loop.
+        batches: the same of each way in which it makes many runs in one call.
     """
 
     def __init__(self, peer: Peer) -> None:
@@ -51,6 +52,7 @@ class Worker:
         self.variants: list[tuple[str, str]] = [
             (name, scheme) for name, scheme in hello["variants"]
         ]
+        self.batches: list[tuple[str, str]] = [(name, scheme) for name, scheme in hello["batches"]]
 
     def _read(self) -> dict[str, Any]:
         assert self._process.stdout is not None
@@ -64,14 +66,21 @@ class Worker:
         self.close()
         raise UnavailablePeerError(f"it ended: {said[-1] if said else 'no reason given'}")
 
-    def ask(self, problem: Problem, variant: int | None, steps: int = 0) -> dict[str, Any]:
-        """Let it run one variant, or M and h alone where that is ``None``.
+    def ask(
+        self, problem: Problem, variant: int | None, steps: int = 0, batch: bool = False
+    ) -> dict[str, Any]:
+        """Let it run one variant, or M and h alone where that is ``None``; or one of its batches.
 
         Raises:
             UnavailablePeerError: if it ends instead.
         """
         assert self._process.stdin is not None
-        request = {"problem": problem.document(), "variant": variant, "steps": steps}
+        request = {
+            "problem": problem.document(),
+            "variant": variant,
+            "steps": steps,
+            "batch": batch,
+        }
         # Where it has ended already, its last words say more than a broken pipe.
         with suppress(BrokenPipeError):
             self._process.stdin.write(json.dumps(request) + "\n")

@@ -30,7 +30,7 @@ class Peer:
     Attributes:
         name: of its environment.
         title: of the peer, for people.
-        module: in this folder.
+        module: below this folder.
         requirement: what to install for it; empty for what runs in our own environment.
     """
 
@@ -43,10 +43,10 @@ class Peer:
 PEERS = (
     Peer("ours", "Slidetune", "ours"),
     Peer("pinocchio", "Pinocchio", "numpy_on_pinocchio"),
-    Peer("mujoco", "MuJoCo", "mujoco_arm", "mujoco>=4,<5"),
-    Peer("drake", "Drake", "drake_arm", "drake>=1.40,<2"),
-    Peer("pybullet", "PyBullet", "bullet_arm", "pybullet>=3.2.6,<4"),
-    Peer("toolbox", "Robotics Toolbox", "toolbox_arm", "roboticstoolbox-python>=1.5,<2"),
+    Peer("mujoco", "MuJoCo", "arms.mujoco", "mujoco>=4,<5"),
+    Peer("drake", "Drake", "arms.drake", "drake>=1.40,<2"),
+    Peer("pybullet", "PyBullet", "arms.bullet", "pybullet>=3.2.6,<4"),
+    Peer("toolbox", "Robotics Toolbox", "arms.toolbox", "roboticstoolbox-python>=1.5,<2"),
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Literal
 
 import pinocchio as pin
@@ -9,13 +10,23 @@ import pinocchio as pin
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.version import __version__
-from tests.peers.problem import SAMPLE, Array, MassAndBias, Problem, Run, Trace, Variant
+from tests.peers.problem import (
+    BATCH,
+    SAMPLE,
+    THREADS,
+    Array,
+    MassAndBias,
+    Problem,
+    Run,
+    Trace,
+    Variant,
+)
 
 LANE = "RBFNN-NFTSM"
 
 
 def mass_and_bias(problem: Problem) -> MassAndBias:
-    """Return M and h as ``robot.loop.steps`` takes them: views that Pinocchio refills."""
+    """Return M and h as the live session takes them: views that Pinocchio refills."""
     model = pin.buildModelFromUrdf(problem.urdf)
     data = model.createData()
     crba, bias = pin.crba, pin.nonLinearEffects
@@ -50,8 +61,31 @@ def _extrapolated(problem: Problem, steps: int) -> Run:
     return _prepare(problem, steps, "extrapolated")
 
 
+def _many(run: Run) -> Run:
+    """Return the whole batch: every run is a ``simulate`` of its own, from its document on."""
+
+    def batch() -> Trace:
+        with ThreadPoolExecutor(THREADS) as pool:
+            *_, last = pool.map(lambda _: run(), range(BATCH))
+        return last
+
+    return batch
+
+
+def _many_plain(problem: Problem, steps: int) -> Run:
+    return _many(_plain(problem, steps))
+
+
+def _many_extrapolated(problem: Problem, steps: int) -> Run:
+    return _many(_extrapolated(problem, steps))
+
+
 VARIANTS = (
     Variant("`simulate`", "plain", _plain),
     Variant("`simulate`", "extrapolated", _extrapolated),
+)
+BATCHES = (
+    Variant("`simulate`", "plain", _many_plain),
+    Variant("`simulate`", "extrapolated", _many_extrapolated),
 )
 VERSION = f"Slidetune {__version__}"

@@ -14,6 +14,8 @@ MassAndBias = Callable[[Array, Array], tuple[Array, Array]]
 
 SAMPLE = 20
 """Steps between two rows of a trace: the reference has 50 rows a second."""
+BATCH, THREADS = 64, 2
+"""Whole runs that are asked for at once, and the threads that share them (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +95,11 @@ class Variant(NamedTuple):
     Attributes:
         name: what it is, for the table.
         scheme: ``plain`` and ``extrapolated`` compute what ours compute; ``own`` is the peer's
-            own integrator, ``held`` a torque held for a control period.
+            own integrator, ``held`` a torque held for a control period, ``open`` torques that were
+            computed before, without a controller.
         prepare: loads the arm for a number of control periods.
     """
 
     name: str
-    scheme: Literal["plain", "extrapolated", "own", "held"]
+    scheme: Literal["plain", "extrapolated", "own", "held", "open"]
     prepare: Callable[[Problem, int], Run]

@@ -1,7 +1,7 @@
 """One contestant in a process of its own: ``python -m tests.peers.worker MODULE``.
 
-It says what it is, then answers one request a line, all in JSON. Times are processor time, taken
-here, so that neither the pipe nor another process is in them.
+It says what it is, then answers one request a line, all in JSON. Times are taken here, so that the
+pipe is not in them; processor time, so that another process is not either.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ import importlib
 import json
 import os
 import sys
-from time import process_time
+from time import perf_counter, process_time
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from tests.peers.problem import Problem
+from tests.peers.problem import Problem, Variant
 
 LOOPS = 2000
 """Evaluations of M and h timed at once (*ours*)."""
@@ -34,14 +34,19 @@ def _dynamics(peer: ModuleType, problem: Problem) -> dict[str, Any]:
     return {"seconds": (process_time() - begin) / LOOPS}
 
 
-def _run(peer: ModuleType, problem: Problem, variant: int, steps: int) -> dict[str, Any]:
-    """Return what one run did and its time in [s]; loading the arm is not in it."""
-    run = peer.VARIANTS[variant].prepare(problem, steps)
+def _batches(peer: ModuleType) -> tuple[Variant, ...]:
+    """Return the ways in which a peer makes many runs in one call; their trace is that of one."""
+    return getattr(peer, "BATCHES", ())
+
+
+def _run(variant: Variant, problem: Problem, steps: int) -> dict[str, Any]:
+    """Return what a run did and its time in [s], also on the wall; loading the arm is not in it."""
+    run = variant.prepare(problem, steps)
     gc.collect()
-    begin = process_time()
+    begin, start = process_time(), perf_counter()
     trace = run()
-    seconds = process_time() - begin
-    return {"seconds": seconds, "q": trace.q.tolist(), "diverged": trace.diverged}
+    seconds, wall = process_time() - begin, perf_counter() - start
+    return {"seconds": seconds, "wall": wall, "q": trace.q.tolist(), "diverged": trace.diverged}
 
 
 def main() -> None:
@@ -54,14 +59,17 @@ def main() -> None:
         print(json.dumps(message), file=answers, flush=True)
 
     peer = importlib.import_module(f"tests.peers.{sys.argv[1]}")
-    answer({"version": peer.VERSION, "variants": [v[:2] for v in peer.VARIANTS]})
+    ways = {"variants": peer.VARIANTS, "batches": _batches(peer)}
+    names = {kind: [way[:2] for way in all_of_them] for kind, all_of_them in ways.items()}
+    answer({"version": peer.VERSION, **names})
     for line in sys.stdin:
         request = json.loads(line)
         problem = Problem.from_document(request["problem"])
         if request["variant"] is None:
             answer(_dynamics(peer, problem))
         else:
-            answer(_run(peer, problem, request["variant"], request["steps"]))
+            way = ways["batches" if request["batch"] else "variants"][request["variant"]]
+            answer(_run(way, problem, request["steps"]))
 
 
 if __name__ == "__main__":

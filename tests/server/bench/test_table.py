@@ -11,11 +11,16 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from slidetune.robot.kernels.compiler import CACHE
 from slidetune.robot.laws import LAWS
+from slidetune.server.bench import compiling
 from slidetune.server.bench.live import FACTOR, LATENCY, READY, measure_live
 from slidetune.server.bench.result import Measurement, measurement
+from slidetune.server.bench.rounds import Case, interleaved
+from slidetune.server.bench.runs import run_cases
 from slidetune.server.bench.served import stepping_thread
-from slidetune.server.bench.steps import FLOOR, Case, interleaved, measure_steps
+from slidetune.server.bench.stepped import EXTRAPOLATED_STEPPED, FLOOR, PLAIN_STEPPED, RECURSION
+from slidetune.server.bench.steps import measure_steps
 from slidetune.server.bench.table import bench_text, measure, print_bench
 
 ON_LINUX = Path("/proc/self/task").is_dir()
@@ -49,6 +54,11 @@ def test_a_ratio_compares_rounds_and_not_the_best_of_different_moments() -> None
     assert (row.best, row.typical, row.ratio) == (6.0, 6.0, 3.0)
 
 
+def test_the_best_of_what_should_be_large_is_the_largest() -> None:
+    row = measurement("runs", "Hz", [80.0, 90.0, 85.0], target=88.0, limit="at least")
+    assert (row.best, row.typical, row.met) == (90.0, 85.0, True)
+
+
 @pytest.mark.parametrize(
     ("row", "met"),
     [
@@ -71,10 +81,8 @@ def test_a_target_is_held_against_the_figure_that_it_speaks_of(
     assert row.met is met
 
 
-def test_every_law_is_measured_against_the_floor() -> None:
+def test_every_law_and_the_live_step_are_measured_against_the_floor() -> None:
     rows = {row.name: row for row in measure_steps(True, silent)}
-    for law in LAWS.values():
-        assert any(law.title in name for name in rows)
     for row in rows.values():
         assert row.best is not None
         assert row.best > 0.0
@@ -82,7 +90,37 @@ def test_every_law_is_measured_against_the_floor() -> None:
             assert row.unit == "µs"
     for law in LAWS.values():
         assert rows[f"extrapolated step, {law.title}"].ratio is not None
+    for name in (PLAIN_STEPPED, EXTRAPOLATED_STEPPED):
+        assert rows[name].most == 2.0
+        assert rows[name].ratio is not None
+    assert rows[RECURSION].ratio is not None
     assert rows[FLOOR].ratio is None
+
+
+def test_one_core_has_no_targets_that_speak_of_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
+    cases = {case.name: case for case in run_cases(0.1, 1)}
+    threads = [case for name, case in cases.items() if "thread" in name]
+    assert len(threads) == 2
+    assert all(case.target is None and case.note for case in threads)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    threads = [case for case in run_cases(0.1, 1) if "thread" in case.name]
+    assert all(case.target is not None and not case.note for case in threads)
+
+
+def test_a_start_that_finds_its_kernels_is_measured_until_they_are_loaded() -> None:
+    taken, cache = compiling.start(CACHE.parents[2])
+    assert taken > 0.0
+    assert Path(cache) == CACHE
+
+
+def test_a_start_that_fails_is_told_in_words(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("sys.executable", str(tmp_path / "no-interpreter"))
+    (row,) = compiling.measure_compiling(silent)
+    assert row.best is None
+    assert "no-interpreter" in row.note
 
 
 @pytest.mark.skipif(not ON_LINUX, reason="only Linux reports the processor time of a thread")

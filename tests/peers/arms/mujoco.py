@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from mujoco.rollout import Rollout
 
 from tests.peers.controller import Controller
-from tests.peers.numpy_loop import State, follow, held, plain, start
-from tests.peers.problem import Array, MassAndBias, Problem, Run, Variant
+from tests.peers.numpy_loop import State, follow, held, plain, plain_step, start
+from tests.peers.problem import (
+    BATCH,
+    SAMPLE,
+    THREADS,
+    Array,
+    MassAndBias,
+    Problem,
+    Run,
+    Trace,
+    Variant,
+)
 
 
 def _arm(problem: Problem) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -76,9 +87,43 @@ def _held_torque(problem: Problem, steps: int) -> Run:
     return held(problem, steps, advance)
 
 
+def _applied(problem: Problem, steps: int) -> Array:
+    """Return the torques by which the arm takes the way of the plain scheme. Shape (steps, 6)."""
+    evaluate, torques = mass_and_bias(problem), np.empty((steps, 6))
+    step, state = plain_step(problem, evaluate), start(problem)
+    for n in range(steps):
+        q, v, _ = state
+        state = step(n * problem.h, state)
+        M, bias = evaluate(q, v)
+        torques[n] = M @ ((state[1] - v) / problem.h) + bias
+    return torques
+
+
+def _rollout(problem: Problem, steps: int) -> Run:
+    """Replay what the closed loop applied: ``rollout`` takes torques, it knows no controller."""
+    model, data = _arm(problem)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    whole = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    first = np.empty((BATCH, mujoco.mj_stateSize(model, whole)))
+    mujoco.mj_getState(model, data, first[0], whole)
+    first[:] = first[0]
+    torques = np.tile(_applied(problem, steps), (BATCH, 1, 1))
+    pool, places = Rollout(nthread=THREADS), [mujoco.MjData(model) for _ in range(THREADS)]
+    applied = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+
+    def run() -> Trace:
+        states, _ = pool.rollout(model, places, first, torques, control_spec=applied)
+        # A state is time, angles, velocities; its row n is that after step n.
+        angles = states[0, SAMPLE - 1 :: SAMPLE, 1 : 1 + model.nq]
+        return Trace(np.vstack([first[0, 1 : 1 + model.nq], angles]))
+
+    return run
+
+
 VARIANTS = (
     Variant("NumPy on `mj_fullM`, `qfrc_bias`", "plain", _plain),
     Variant("`mj_step`, Euler; the loop's slope as `dof_damping`", "plain", _slope_as_damping),
     Variant("`mj_step`, implicitfast; torque as `qfrc_applied`", "held", _held_torque),
 )
+BATCHES = (Variant("`rollout`, implicitfast; replays the torques of the loop", "open", _rollout),)
 VERSION = f"MuJoCo {mujoco.__version__}"
