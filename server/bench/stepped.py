@@ -20,6 +20,7 @@ from slidetune.robot.kernels.workspace import CURRENT, RECORD_COLUMNS, Q, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.horizon import stepped_rows
 from slidetune.robot.loop.lane import Lane
+from slidetune.robot.loop.simulate import stop_flag
 from slidetune.server.bench.rounds import Case
 
 Timing = Callable[[], float]
@@ -130,9 +131,9 @@ def stepped(document: dict[str, Any], horizon: float) -> Timing:
 
     def measure() -> float:
         lane.restart(packed)
-        make, rows = stepped_rows(lane, packed), np.array([0, count])
+        make, rows, stop = stepped_rows(lane, packed), np.array([0, count]), stop_flag()
         begin = thread_time()
-        bad = make(rows)
+        bad = make(rows, stop)
         taken = thread_time() - begin
         if bad:
             raise ArithmeticError("the lane left its bounds: its steps can't be counted")
