@@ -42,7 +42,7 @@ from tests.trust.random_experiment import Draw
 Array = np.ndarray
 Document = dict[str, Any]
 TOLERANCE = 1e-12
-DRAWN = 12
+DRAWN = 40
 """Random experiments."""
 HORIZON = 0.3
 """Of a preset [s]."""
@@ -300,7 +300,7 @@ def test_a_law_of_plain_python_is_called_back_and_gives_the_rows_of_a_compiled_o
 
 
 def test_one_call_gives_the_rows_of_single_steps_of_whatever_can_be_set() -> None:
-    draw, lanes = Draw(3), 0
+    draw, lanes = Draw(5), 0
     for number in range(DRAWN):
         try:
             packed = pack(Experiment.from_document(draw.document()))
