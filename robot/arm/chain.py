@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 import pinocchio as pin
 
@@ -59,9 +61,9 @@ def pack_chain(model: pin.Model) -> Array | None:
         strict=False,
     ):  # fmt: skip
         motion = np.asarray(joint.createData().S).ravel()
-        slides = not motion[3:].any()
-        if not slides and motion[:3].any():
-            return None  # a screw
+        slides = motion[:3].any()
+        if slides == motion[3:].any():
+            return None  # a screw, or no axis that stays
         turn = _frame_along(motion[:3] if slides else motion[3:])
         row[ROTATION:PLACE] = (before.T @ placement.rotation @ turn).ravel()
         row[PLACE:MASS] = before.T @ placement.translation
@@ -100,6 +102,8 @@ def deviation(model: pin.Model, chain: Array) -> float:
 
 def _difference(ours: Array, theirs: Array) -> float:
     """Return the greatest difference, relative to the greatest of all numbers."""
+    if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
+        return inf  # not NaN, which is never the greatest
     scale = max(float(np.abs(theirs).max()), float(np.abs(ours).max()))
     return float(np.abs(ours - theirs).max()) / scale if scale > 0.0 else 0.0
 

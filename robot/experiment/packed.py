@@ -42,6 +42,12 @@ class Packed:
     chain: Array | None
     nominal_chain: Array | None
 
+    @property
+    def compiled(self) -> bool:
+        """Whether its arms are chains, so that a whole run is one compiled call."""
+        lacks_nominal = self.nominal is not None and self.nominal_chain is None
+        return self.chain is not None and not lacks_nominal
+
 
 def pack(experiment: Experiment) -> Packed:
     """Turn an experiment into numbers.

@@ -29,7 +29,7 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
         lane: a lane that stands at the beginning.
         packed: the experiment as numbers.
     """
-    if packed.chain is None or (packed.nominal is not None and packed.nominal_chain is None):
+    if packed.chain is None or not packed.compiled:
         return None
     simulation, law = packed.experiment.simulation, LAWS[packed.experiment.lanes[lane.name].law]
     sampled = simulation.mode == "sampled"

@@ -65,6 +65,10 @@ class Health(BaseModel):
     version: str
     uptime: float = Field(description="Seconds since the start.")
     state: Literal["running", "paused"]
+    compiled: bool = Field(
+        description="Whether whole runs of the live experiment take M and h from the compiled "
+        "recursion; false: Pinocchio step by step, slower."
+    )
     role: Literal["owner", "viewer"] = Field(description="A viewer may watch but change nothing.")
     limits: dict[str, int] = Field(description="By name: sizes in bytes, rates per second.")
 

@@ -121,9 +121,13 @@ class AppState:
             self.session.reset_lane(lane)
 
     def health(self) -> dict[str, Any]:
-        """Return version, uptime and state."""
-        state = "running" if self.session.playing else "paused"
-        return {"version": __version__, "uptime": monotonic() - self.started, "state": state}
+        """Return version, uptime, state, and whether whole runs are compiled."""
+        return {
+            "version": __version__,
+            "uptime": monotonic() - self.started,
+            "state": "running" if self.session.playing else "paused",
+            "compiled": self.document.packed.compiled,
+        }
 
     def state(self) -> dict[str, Any]:
         """Return the ``state`` message."""

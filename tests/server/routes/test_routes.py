@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from dataclasses import replace
 from typing import Any
 
 import jsonschema_rs
@@ -12,6 +13,7 @@ import pytest
 import ruamel.yaml
 
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from slidetune.robot.loop.figures import FIGURES, figures_of
 from slidetune.server.contract.live_messages import Figures, SamplingMargin
@@ -38,6 +40,25 @@ def test_health_and_session_answer(served: Served) -> None:
     state = served.http.get("/api/session").json()
     assert state["playing"]
     assert set(state["lanes"]) == {"RBFNN-NFTSM", "RBFNN-SMC", "NFTSM"}
+
+
+def test_health_tells_whether_whole_runs_are_compiled(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def compiled() -> bool:
+        return bool(served.http.get("/api/health").raise_for_status().json()["compiled"])
+
+    assert compiled()
+    document = served.app_state.document
+    wrong_nominal = pack(document.experiment.patched({"disturbance": {"nominal_mismatch": 0.8}}))
+    for packed in (
+        replace(document.packed, chain=None),
+        replace(wrong_nominal, nominal_chain=None),
+    ):
+        monkeypatch.setattr(document, "packed", packed)
+        assert not compiled()
+    monkeypatch.undo()
+    assert compiled()
 
 
 def test_schema_describes_every_law(served: Served) -> None:
