@@ -33,8 +33,6 @@ from slidetune.robot.kernels.by_address import called
 from slidetune.robot.kernels.compiler import kernel, released
 from slidetune.robot.kernels.workspace import CURRENT, HALF, MEASURED_Q, MEASURED_V, Q, V
 
-LOOK = 256
-"""Rows between two looks at ``stop`` (*ours*): half a millisecond and more."""
 STOPPED = -4
 """What a run returns that was stopped."""
 STAGE = types.int64(types.int64, types.float64, types.int64, types.int64[::1])
@@ -79,7 +77,7 @@ def run_continuous(stage, first, rows, stop, cutting, table):  # type: ignore[no
     period, _, _ = settings(table)
     for row in range(rows[0], rows[1]):
         rows[0] = row
-        if row % LOOK == 0 and stop[0] != 0:
+        if stop[0] != 0:
             return STOPPED
         t = row * period
         bad = _attempt(stage, first, t, row, table)
@@ -87,6 +85,8 @@ def run_continuous(stage, first, rows, stop, cutting, table):  # type: ignore[no
             begin_parts(t, cutting, table)
             recorded = row
             while next_part(cutting, table):
+                if stop[0] != 0:  # a part that can't be solved takes a millisecond
+                    return STOPPED
                 bad = _attempt(stage, first, cutting[FROM], recorded, table)
                 end_part(bad, cutting, table)
                 if bad == 0:
@@ -107,7 +107,7 @@ def run_sampled(substeps, rows, stop, table):  # type: ignore[no-untyped-def]
     _, period, _ = settings(table)
     for row in range(rows[0], rows[1]):
         rows[0] = row
-        if row % LOOK == 0 and stop[0] != 0:
+        if stop[0] != 0:
             return STOPPED
         t = row * period
         evaluate_arm(CURRENT, table)

@@ -9,7 +9,7 @@ import numpy as np
 from slidetune.robot.arm.dynamics import chain_of
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.integrator.cutting import LOOSENESS
-from slidetune.robot.integrator.horizon import LOOK, STAGE, STOPPED, run_continuous, run_sampled
+from slidetune.robot.integrator.horizon import STAGE, STOPPED, run_continuous, run_sampled
 from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
 from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
 from slidetune.robot.kernels.by_address import address_of
@@ -65,7 +65,7 @@ def stepped_rows(lane: Lane, packed: Packed) -> Rows:
     def make(rows: Array, stop: Array) -> int:
         for row in range(int(rows[0]), int(rows[1])):
             rows[0] = row
-            if row % LOOK == 0 and stop[0]:
+            if stop[0]:
                 return STOPPED
             bad = step(row * period, row, row)
             if bad:

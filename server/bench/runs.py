@@ -70,13 +70,7 @@ def run_cases(horizon: float, batch: int) -> list[Case]:
     length = f"{horizon:g} s"
     return [
         Case(f"3 lanes, {length} in steps of 1 ms", "s", _wall(lambda: finished(comparison)), 0.06),
-        Case(
-            "the same, a thread for each lane",
-            "s",
-            apart,
-            0.035 if enough else None,
-            note=note,
-        ),
+        Case("the same, a thread for each lane", "s", apart, 0.035 if enough else None, note=note),
         Case(
             f"whole runs a second, RBFNN-NFTSM, {length}, two threads",
             "Hz",

@@ -36,7 +36,7 @@ from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.accuracy import difference
 from slidetune.robot.loop.horizon import Rows, bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Lane
-from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.loop.simulate import simulate, stop_flag
 from tests.trust.random_experiment import Draw
 
 Array = np.ndarray
@@ -123,7 +123,7 @@ def made(
     while rows[0] < count:
         rows[1] = min(rows[0] + at_once, count)
         try:
-            code = checked(make(rows))
+            code = checked(make(rows, stop_flag()))
         except ArithmeticError as error:
             return Made(lane, int(rows[0]), 0, str(error))
         if code:
