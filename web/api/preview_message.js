@@ -4,7 +4,7 @@
 /** @typedef {import('../figures/columns.js').Figures} Figures of a whole run */
 /** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
 /**
- * How good a run is; `error_estimate` [rad] is null in a quick one.
+ * How good a run is; `error_estimate` [rad] is null where nobody asked for it.
  * @typedef {{error_estimate: number|null, unconverged: number, capped: number, remark: string,
  *   patch: import('../fields/merge_patch.js').Document|null}} Accuracy
  */
@@ -14,8 +14,9 @@
  *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
  */
 /**
- * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled.
- * @typedef {{revision: number, quick: boolean, horizon: number, hold: number,
+ * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled;
+ * `estimated`: whether every lane's error was estimated.
+ * @typedef {{revision: number, estimated: boolean, horizon: number, hold: number,
  *   lanes: Map<string, LaneResponse>}} Response
  */
 
@@ -45,5 +46,6 @@ export function decodedResponse(buffer) {
     offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
     lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
   }
-  return {revision: head.revision, quick: head.quick, horizon: head.horizon, hold: head.hold, lanes};
+  const {revision, estimated, horizon, hold} = head;
+  return {revision, estimated, horizon, hold, lanes};
 }

@@ -132,7 +132,7 @@ class ResponsePlots {
     const {latest} = this.#preview;
     const experiment = latest && this.#preview.documentOf(latest);
     if (!latest || !experiment) return;
-    this.#baselines.pin(experiment, latest.quick ? null : latest);
+    this.#baselines.pin(experiment, latest.estimated ? latest : null);
   }
 
   // What is shown around the plots

@@ -84,8 +84,8 @@ export class ResponseSource {
       message: drawable || this.#preview.failure ? '' : waiting(),
       marks: [],
       stops: stopsOf(content),
-      // An exact one follows every quick one.
-      passing: content.current?.quick,
+      // The same one follows with its estimate.
+      passing: content.current?.estimated === false,
     };
   }
 
