@@ -4,7 +4,7 @@
  * that watches gets the owner's last one, whenever there is another.
  */
 
-import {decodedResponse} from './preview_message.js';
+import {decodedResponse, withKnownColumns} from './preview_message.js';
 import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
@@ -76,6 +76,9 @@ export class Preview extends EventTarget {
   /** Whether anybody looks at responses. */
   get isNeeded() { return this.#reasons.size > 0; }
 
+  /** Whether the response of the live experiment is there; it may come before the word of it. */
+  get #isThere() { return this.latest !== null && this.latest.revision >= this.#api.revision; }
+
   /** Whether the response of the live experiment is there with its estimate, or under way. */
   get #settled() {
     if (this.latest?.estimated && this.latest.revision === this.#api.revision) return true;
@@ -104,8 +107,9 @@ export class Preview extends EventTarget {
    * @returns {boolean} whether it has to be asked for
    */
   #follow() {
-    if (this.#settled) return false;
-    this.#want(this.#api.moving ? 'moving' : 'estimated');
+    const {moving} = this.#api;
+    if (this.#settled || (moving && this.#isThere)) return false;
+    this.#want(moving ? 'moving' : 'estimated');
     return true;
   }
 
@@ -243,7 +247,8 @@ export class Preview extends EventTarget {
 
   /** @param {Response} response */
   #take(response) {
-    this.latest = response;
+    this.latest = withKnownColumns(response, this.latest);
+    if (this.#wanted === 'moving' && this.#isThere) this.#wanted = null;
     this.#say('');
     this.#emit('response');
     // Other screens' drags end without a word, and a hand may rest on its slider.

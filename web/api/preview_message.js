@@ -49,3 +49,33 @@ export function decodedResponse(buffer) {
   const {revision, estimated, horizon, hold} = head;
   return {revision, estimated, horizon, hold, lanes};
 }
+
+/**
+ * What a drag doesn't change arrives again with each response: a curve that hasn't moved is known
+ * by its column.
+ *
+ * @param {Response} response
+ * @param {Response|null} former
+ * @returns {Response} the same, with the former's columns where they are equal
+ */
+export function withKnownColumns(response, former) {
+  for (const [name, lane] of response.lanes) {
+    const known = former?.lanes.get(name);
+    if (!known) continue;
+    if (areEqual(lane.time, known.time)) lane.time = known.time;
+    for (const [channel, column] of lane.columns) {
+      const before = known.columns.get(channel);
+      if (before && areEqual(column, before)) lane.columns.set(channel, before);
+    }
+  }
+  return response;
+}
+
+/**
+ * @param {Float32Array} one
+ * @param {Float32Array} other
+ */
+function areEqual(one, other) {
+  return one.length === other.length
+    && one.every((value, index) => Object.is(value, other[index]));
+}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 import time
+from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, Route, expect
@@ -12,10 +14,12 @@ from playwright.sync_api import Page, Route, expect
 from tests.browser.conftest import Complaints, Dashboard, StartDashboard, stop
 from tests.browser.response.test_response import (
     AGREEMENT,
+    KEEP_SHOWN,
     LANES,
     expected_figures,
     figures,
     held,
+    lines_before,
     open_response,
     revision,
     row,
@@ -26,6 +30,16 @@ from tests.browser.response.test_response import (
 
 RUNS_BEFORE = 3
 """So many end during a drag, before the last one."""
+MANY = 25
+"""So many responses are a drag."""
+COUNT_FIGURES = """() => {
+  const {react} = Plotly;
+  window.figures = 0;
+  Plotly.react = (graph, ...more) => {
+    if (graph.closest('.response')) window.figures += 1;
+    return react(graph, ...more);
+  };
+}"""
 REST_MS = 800
 """A hand that rests on a slider for so long gets the estimate."""
 
@@ -61,6 +75,34 @@ def test_a_hand_that_lets_go_before_its_run_ends_asks_for_one_estimate(
     before = len(asked)
     page.wait_for_timeout(REST_MS + 500)
     assert len(asked) == before
+
+
+def move_to_and_fro(page: Page, gain: str, enough: Callable[[], bool]) -> None:
+    """Move the slider that is held until there is enough."""
+    track = slider(page, gain).bounding_box()
+    assert track is not None
+    deadline = time.monotonic() + 60.0
+    for step in itertools.count():
+        if enough():
+            return
+        assert time.monotonic() < deadline, "too few responses"
+        share = 0.55 + 0.2 * math.sin(step / 8)
+        page.mouse.move(track["x"] + track["width"] * share, track["y"] + track["height"] / 2)
+        page.wait_for_timeout(15)
+
+
+def test_a_drag_moves_its_curves_without_another_figure(page: Page, dashboard: Dashboard) -> None:
+    open_response(page, dashboard)
+    gain = "lanes.RBFNN-NFTSM.c"
+    shown = page.locator(".response-status")
+    shown.evaluate(KEEP_SHOWN)
+    with held(page, gain):
+        expect(lines_before(page)).to_have_count(3)
+        page.evaluate(COUNT_FIGURES)
+        before = page.evaluate("window.shown.length")
+        move_to_and_fro(page, gain, lambda: page.evaluate("window.shown.length") > before + MANY)
+        assert page.evaluate("window.figures") == 0
+    until_estimated(page, dashboard)
 
 
 def test_a_drag_shows_the_response_itself_and_its_release_adds_only_the_estimate(
