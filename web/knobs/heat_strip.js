@@ -107,8 +107,7 @@ class HeatStrips {
   #tuned() {
     const strip = this.#strip;
     if (!strip) return;
-    strip.tell();
-    if (strip.isComplete) return;
+    if (strip.isComplete) { strip.tell(); return; }
     strip.pause();
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#run(strip), PAUSE_MS);

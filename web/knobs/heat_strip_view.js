@@ -54,6 +54,8 @@ export class Strip {
     else this.draw();
   }
 
+  get signal() { return this.#abort.signal; }
+
   get isComplete() { return this.rows.length === COUNT; }
 
   /** @returns {AbortSignal} of runs that begin now, from the first position on */
@@ -62,11 +64,15 @@ export class Strip {
     this.#abort = new AbortController();
     this.#failure = '';
     this.#bar.hidden = false;
-    return this.#abort.signal;
+    this.tell();
+    return this.signal;
   }
 
   /** Give up the runs under way; what they have told stays. */
-  pause() { this.#abort.abort(); }
+  pause() {
+    this.#abort.abort();
+    this.tell();
+  }
 
   /** @param {StudyRow} row */
   add(row) {
@@ -143,6 +149,8 @@ export class Strip {
     const thumb = placeOf(this.#value, this.field, track);
     const at = this.#pointer ?? thumb;
     const cell = cellsOf(COUNT, this.rows, track).find(({right}) => at <= right);
+    // Nothing is tried while the hand moves.
+    this.#words.hidden = this.signal.aborted && !cell?.row;
     this.#said[0].textContent = this.#failure || this.#at(cell?.row);
     this.#said[1].textContent = this.#rest();
     // So much of their width as lies before this place: they stay within, however long they are.
