@@ -105,7 +105,7 @@ def printed_address(process: subprocess.Popen[bytes], log: Path) -> str:
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """Ask a dashboard to end, then end whatever is left of it and of its workers."""
+    """Ask a dashboard to end, then end whatever is left of it."""
     process.terminate()
     with suppress(subprocess.TimeoutExpired):
         process.wait(timeout=10)
@@ -144,7 +144,7 @@ def running(
             stdout=output,
             stderr=subprocess.STDOUT,
             env={**os.environ, "NO_COLOR": "1", "PYTHONUNBUFFERED": "1", **(environment or {})},
-            # Its own process group, so that its workers end with it in any case.
+            # Its own process group, so that whatever it starts ends with it in any case.
             start_new_session=True,
         )
     try:

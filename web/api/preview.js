@@ -4,27 +4,24 @@
  * that watches gets the owner's last one, whenever there is another.
  */
 
-import {decodedResponse} from './preview_message.js';
+import {decodedResponse, withKnownColumns} from './preview_message.js';
 import {isWatching} from './watch_only.js';
 
 /** @typedef {import('./api.js').Api} Api */
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /** @typedef {import('./preview_message.js').Response} Response */
-/** @typedef {'quick'|'exact'} Precision */
+/** @typedef {'moving'|'estimated'} Kind `moving`: without the estimate of its error */
 /**
  * @typedef {{experiment: Document, resolve: (response: Response) => void,
  *   reject: (error: Error) => void}} Other
- * @typedef {{kind: Precision|'other', revision: number, controller: AbortController}} Running
+ * @typedef {{kind: Kind|'other', revision: number, controller: AbortController}} Running
  *   `revision` is the live experiment's when it began
  */
 
-/** A hand that rests on a slider for so long gets the exact run; ours. */
+/** A hand that rests on a slider for so long gets the estimate; ours. */
 const REST_MS = 800;
-/** A lost worker process is replaced at once; the second time something else is wrong. */
-const RETRY_MS = 300;
-/** So many wait in the workers' queue that one more was refused: asked again after so long; ours. */
+/** So many runs wait in the server that one more was refused: asked again after so long; ours. */
 const BUSY_MS = 3000;
-const WORKER_LOST = 'worker_lost';
 const BUSY = 'busy';
 /** The document of an answer is looked up by its revision, which is never much older. */
 const KEPT_DOCUMENTS = 50;
@@ -47,11 +44,10 @@ export class Preview extends EventTarget {
 
   #api;
   /** @type {Set<string>} */ #reasons = new Set();
-  /** @type {Precision|null} */ #wanted = null;
+  /** @type {Kind|null} */ #wanted = null;
   /** @type {Running|null} */ #running = null;
   /** @type {Other[]} */ #others = [];
   /** @type {Map<number, Document>} */ #documents = new Map();
-  #retried = false;
   /** @type {number|undefined} which of the owner's responses was fetched */ #heard;
   /** @type {number|null} */ #epoch = null;
   /** @type {ReturnType<typeof setTimeout>|undefined} */ #rest;
@@ -60,7 +56,7 @@ export class Preview extends EventTarget {
   constructor(api) {
     super();
     this.#api = api;
-    api.addEventListener('hello', () => { this.#meet(); this.#note(); this.#want('exact'); });
+    api.addEventListener('hello', () => { this.#meet(); this.#note(); this.#want('estimated'); });
     api.addEventListener('patch', () => {
       this.#note();
       if (!isWatching()) this.#follow();
@@ -80,15 +76,13 @@ export class Preview extends EventTarget {
   /** Whether anybody looks at responses. */
   get isNeeded() { return this.#reasons.size > 0; }
 
-  /** Whether the latest response is the live experiment's, and exact. */
-  get current() {
-    return this.latest !== null && !this.latest.quick
-      && this.latest.revision === this.#api.revision;
-  }
+  /** Whether the response of the live experiment is there; it may come before the word of it. */
+  get #isThere() { return this.latest !== null && this.latest.revision >= this.#api.revision; }
 
-  /** Whether the exact response of the live experiment is there, or under way. */
+  /** Whether the response of the live experiment is there with its estimate, or under way. */
   get #settled() {
-    if (this.current || this.#running?.kind !== 'exact') return this.current;
+    if (this.latest?.estimated && this.latest.revision === this.#api.revision) return true;
+    if (this.#running?.kind !== 'estimated') return false;
     const {revision, controller} = this.#running;
     return revision === this.#api.revision && !controller.signal.aborted;
   }
@@ -113,16 +107,17 @@ export class Preview extends EventTarget {
    * @returns {boolean} whether it has to be asked for
    */
   #follow() {
-    if (this.#settled) return false;
-    this.#want(this.#api.moving ? 'quick' : 'exact');
+    const {moving} = this.#api;
+    if (this.#settled || (moving && this.#isThere)) return false;
+    this.#want(moving ? 'moving' : 'estimated');
     return true;
   }
 
   /** Run the live experiment once more, whether or not it has changed. */
-  again() { this.#want('exact'); }
+  again() { this.#want('estimated'); }
 
   /**
-   * Run another experiment exactly, when nothing more urgent is to be done.
+   * Run another experiment, when nothing more urgent is to be done.
    *
    * @param {Document} experiment
    * @returns {Promise<Response>}
@@ -162,21 +157,21 @@ export class Preview extends EventTarget {
 
   /** The owner has another response than the one here. */
   #hear() {
-    if (isWatching() && this.#api.session?.results.response !== this.#heard) this.#want('exact');
+    if (isWatching() && this.#api.session?.results.response !== this.#heard) this.#want('estimated');
   }
 
   /** A reset takes the paths out of the scene. */
   #restarted() {
     const epoch = this.#api.session?.epoch ?? null;
-    if (this.scene && this.#epoch !== null && epoch !== this.#epoch) this.#want('exact');
+    if (this.scene && this.#epoch !== null && epoch !== this.#epoch) this.#want('estimated');
     this.#epoch = epoch;
   }
 
-  /** @param {Precision} precision */
-  #want(precision) {
+  /** @param {Kind} kind */
+  #want(kind) {
     clearTimeout(this.#rest);
     if (!this.#reasons.size) return;
-    this.#wanted = precision;
+    this.#wanted = kind;
     this.#next();
     this.#emit('busy');
   }
@@ -189,27 +184,27 @@ export class Preview extends EventTarget {
   }
 
   /**
-   * Give up what is slower than what waits. A quick run goes on: were it given up for the next
-   * one, none would ever end during a fast drag.
+   * Give up what is slower than what waits. A run of a drag goes on: were it given up for the next
+   * one, none would ever end while the hand is fast.
    *
    * @param {Running} running
    */
   #makeWay({kind, controller}) {
-    const hurry = kind === 'exact' && this.#wanted === 'quick';
+    const hurry = kind === 'estimated' && this.#wanted === 'moving';
     if (hurry || (kind === 'other' && this.#wanted)) controller.abort();
   }
 
-  /** @param {Precision} precision */
-  async #runLive(precision) {
+  /** @param {Kind} kind */
+  async #runLive(kind) {
     this.#wanted = null;
     this.#heard = this.#api.session?.results.response;
     try {
-      const response = await this.#run(precision, {quick: precision === 'quick', show: this.scene});
+      const response = await this.#run(kind, {estimate: kind === 'estimated', show: this.scene});
       if (response) this.#take(response);
       // Said once: another screen may want its paths to be seen.
       if (response && this.scene === false) this.scene = null;
     } catch (error) {
-      this.#failed(/** @type {import('./api.js').ApiError} */ (error), precision);
+      this.#failed(/** @type {import('./api.js').ApiError} */ (error), kind);
     }
     this.#emit('busy');
     this.#next();
@@ -218,7 +213,7 @@ export class Preview extends EventTarget {
   /** @param {Other} other */
   async #runOther(other) {
     try {
-      const response = await this.#run('other', {experiment: other.experiment, quick: false});
+      const response = await this.#run('other', {experiment: other.experiment});
       if (response) {
         this.#others.shift();
         other.resolve(response);
@@ -231,8 +226,8 @@ export class Preview extends EventTarget {
   }
 
   /**
-   * @param {Precision|'other'} kind
-   * @param {{experiment?: Document, quick: boolean, show?: boolean|null}} body
+   * @param {Kind|'other'} kind
+   * @param {{experiment?: Document, estimate?: boolean, show?: boolean|null}} body
    * @returns {Promise<Response|null>} null when it was given up
    * @throws {import('./api.js').ApiError}
    */
@@ -252,37 +247,23 @@ export class Preview extends EventTarget {
 
   /** @param {Response} response */
   #take(response) {
-    this.latest = response;
-    this.#retried = false;
+    this.latest = withKnownColumns(response, this.latest);
+    if (this.#wanted === 'moving' && this.#isThere) this.#wanted = null;
     this.#say('');
     this.#emit('response');
     // Other screens' drags end without a word, and a hand may rest on its slider.
     clearTimeout(this.#rest);
-    if (!response.quick) return;
-    this.#rest = setTimeout(() => { if (!this.#settled) this.#want('exact'); }, REST_MS);
+    if (response.estimated) return;
+    this.#rest = setTimeout(() => { if (!this.#settled) this.#want('estimated'); }, REST_MS);
   }
 
   /**
    * @param {import('./api.js').ApiError} error
-   * @param {Precision} precision
+   * @param {Kind} kind
    */
-  #failed(error, precision) {
-    if (error.code === WORKER_LOST && !this.#retried) {
-      this.#retried = true;
-      this.#again(precision, RETRY_MS);
-      return;
-    }
-    this.#retried = false;
+  #failed(error, kind) {
     this.#say(error.message);
-    if (error.code === BUSY) this.#again(precision, BUSY_MS);
-  }
-
-  /**
-   * @param {Precision} precision
-   * @param {number} wait in ms
-   */
-  #again(precision, wait) {
-    setTimeout(() => { if (!this.busy) this.#want(precision); }, wait);
+    if (error.code === BUSY) setTimeout(() => { if (!this.busy) this.#want(kind); }, BUSY_MS);
   }
 
   /** @param {string} failure */

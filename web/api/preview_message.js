@@ -4,7 +4,7 @@
 /** @typedef {import('../figures/columns.js').Figures} Figures of a whole run */
 /** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
 /**
- * How good a run is; `error_estimate` [rad] is null in a quick one.
+ * How good a run is; `error_estimate` [rad] is null where nobody asked for it.
  * @typedef {{error_estimate: number|null, unconverged: number, capped: number, remark: string,
  *   patch: import('../fields/merge_patch.js').Document|null}} Accuracy
  */
@@ -14,8 +14,9 @@
  *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
  */
 /**
- * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled.
- * @typedef {{revision: number, quick: boolean, horizon: number, hold: number,
+ * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled;
+ * `estimated`: whether every lane's error was estimated.
+ * @typedef {{revision: number, estimated: boolean, horizon: number, hold: number,
  *   lanes: Map<string, LaneResponse>}} Response
  */
 
@@ -45,5 +46,36 @@ export function decodedResponse(buffer) {
     offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
     lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
   }
-  return {revision: head.revision, quick: head.quick, horizon: head.horizon, hold: head.hold, lanes};
+  const {revision, estimated, horizon, hold} = head;
+  return {revision, estimated, horizon, hold, lanes};
+}
+
+/**
+ * What a drag doesn't change arrives again with each response: a curve that hasn't moved is known
+ * by its column.
+ *
+ * @param {Response} response
+ * @param {Response|null} former
+ * @returns {Response} the same, with the former's columns where they are equal
+ */
+export function withKnownColumns(response, former) {
+  for (const [name, lane] of response.lanes) {
+    const known = former?.lanes.get(name);
+    if (!known) continue;
+    if (areEqual(lane.time, known.time)) lane.time = known.time;
+    for (const [channel, column] of lane.columns) {
+      const before = known.columns.get(channel);
+      if (before && areEqual(column, before)) lane.columns.set(channel, before);
+    }
+  }
+  return response;
+}
+
+/**
+ * @param {Float32Array} one
+ * @param {Float32Array} other
+ */
+function areEqual(one, other) {
+  return one.length === other.length
+    && one.every((value, index) => Object.is(value, other[index]));
 }

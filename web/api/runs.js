@@ -47,7 +47,7 @@ export class Runs {
    * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
    * server gives up the older.
    *
-   * @param {{experiment?: Document, quick?: boolean, show?: boolean|null}} body
+   * @param {{experiment?: Document, estimate?: boolean, show?: boolean|null}} body
    * @param {AbortSignal} [signal]
    * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
    */

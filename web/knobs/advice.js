@@ -82,9 +82,10 @@ class AdviceList {
       const index = left.findIndex((one) => one.path === path && one.level === level);
       // One that stands in two places is true in both.
       const [advice] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
-      line.style.minHeight = `${line.getBoundingClientRect().height}px`;
       line.style.visibility = advice ? '' : 'hidden';
       if (advice && advice.message !== entry.advice.message) {
+        // Asked for only where the text changes: it makes the page lay everything out.
+        line.style.minHeight = `${line.getBoundingClientRect().height}px`;
         line.replaceChildren(...this.#line(advice).childNodes);
         entry.advice = advice;
       }

@@ -9,8 +9,13 @@ import {greatest} from '../fields/shares.js';
 /** @typedef {import('./study_metric.js').StudyMetric} StudyMetric */
 
 const REST_MS = 400;
-/** A strip that is known already comes sooner. */
-const KNOWN_MS = 120;
+/** A strip that is known already comes sooner, and one of a slider that the keyboard goes to. */
+const SOON_MS = 120;
+/**
+ * While a hand moves its slider the cores are the response's: the strip's runs would take a third of
+ * its redraws, measured with three lanes on two cores. They go on as soon as it rests for so long.
+ */
+const PAUSE_MS = 150;
 const KEPT = 80;
 /** A pointer that moves less than this rests. */
 const STILL_PX = 4;
@@ -25,7 +30,7 @@ export function mountHeatStrips(place, api, fieldAt, metric) {
   new HeatStrips(place, api, fieldAt, metric);
 }
 
-/** Shows the strip of the one slider that the pointer rests on, or that has the focus. */
+/** Shows the strip of the one slider that is pressed, rested on, or that has the focus. */
 class HeatStrips {
   #api;
   #fieldAt;
@@ -50,15 +55,17 @@ class HeatStrips {
     place.addEventListener('pointerover', (event) => this.#over(event));
     place.addEventListener('pointermove', (event) => this.#moved(event));
     place.addEventListener('pointerleave', () => this.#hover(null));
-    place.addEventListener('pointerup', (event) => {
-      if (event.pointerType !== 'mouse') this.#focus(sliderOf(event.target));
-    });
+    place.addEventListener('pointerdown', (event) => this.#press(event));
+    // A finger that scrolls the page began on a slider by chance.
+    place.addEventListener('pointercancel', () => this.#focus(null));
     place.addEventListener('focusin', ({target}) => {
       const slider = sliderOf(target);
+      // One that is pressed gets the focus as well.
+      if (slider && slider === this.#focused) return;
       this.#focus(slider?.matches(':focus-visible') ? slider : null);
     });
     place.addEventListener('focusout', () => this.#focus(null));
-    place.addEventListener('input', () => this.#strip?.tell());
+    place.addEventListener('input', () => this.#tuned());
     for (const type of ['patch', 'hello', 'select']) {
       api.addEventListener(type, () => this.#check());
     }
@@ -82,6 +89,28 @@ class HeatStrips {
     if (Math.hypot(x - this.#rest.x, y - this.#rest.y) < STILL_PX) return;
     this.#rest = {x, y};
     this.#await();
+  }
+
+  /**
+   * Before the hand moves there is time for all positions.
+   *
+   * @param {PointerEvent} event
+   */
+  #press({target, pointerType}) {
+    const slider = sliderOf(target);
+    if (pointerType === 'mouse') this.#hover(slider);
+    else this.#focus(slider);
+    if (slider) this.#begin();
+  }
+
+  /** What the hand changes is no part of its own strip, but the runs have to wait. */
+  #tuned() {
+    const strip = this.#strip;
+    if (!strip) return;
+    if (strip.isComplete) { strip.tell(); return; }
+    strip.pause();
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#run(strip), PAUSE_MS);
   }
 
   /** @param {HTMLInputElement|null} slider */
@@ -118,11 +147,12 @@ class HeatStrips {
     const slider = this.#wanted;
     const field = this.#field(slider);
     if (!slider || !field) return;
-    const wait = this.#known.has(this.#key(field, jointOf(slider))) ? KNOWN_MS : REST_MS;
-    this.#timer = setTimeout(() => this.#begin(), wait);
+    const soon = slider !== this.#hovered || this.#known.has(this.#key(field, jointOf(slider)));
+    this.#timer = setTimeout(() => this.#begin(), soon ? SOON_MS : REST_MS);
   }
 
   #begin() {
+    clearTimeout(this.#timer);
     const slider = this.#wanted;
     const field = this.#field(slider);
     if (!slider?.isConnected || !field || this.#strip) return;
@@ -138,15 +168,16 @@ class HeatStrips {
   async #run(strip) {
     const [, lane, name] = strip.field.path;
     const body = {lane, field: name, count: COUNT, joint: strip.joint};
+    const signal = strip.go();
     try {
       await this.#api.runs.study('strip', body, (row) => {
         strip.add(/** @type {StudyRow} */ (row));
-      }, strip.signal);
+      }, signal);
     } catch (error) {
-      if (!strip.signal.aborted) strip.fail(/** @type {Error} */ (error).message);
+      if (!signal.aborted) strip.fail(/** @type {Error} */ (error).message);
       return;
     }
-    if (strip.signal.aborted || strip.rows.length < COUNT) return;
+    if (signal.aborted || !strip.isComplete) return;
     this.#known.set(strip.key, strip.rows);
     for (const old of [...this.#known.keys()].slice(0, -KEPT)) this.#known.delete(old);
     strip.end();

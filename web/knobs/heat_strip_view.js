@@ -31,6 +31,7 @@ export class Strip {
   #aloud = element('span', {class: 'visually-hidden', role: 'status'});
   #abort = new AbortController();
   #failure = '';
+  #frame = 0;
   /** @type {number|null} */ #pointer = null;
   /** Asked of the page when drawn: in the middle of a drag it would lay everything out. */
   #track = {width: 0, inset: 0, left: 0, room: 1};
@@ -49,20 +50,40 @@ export class Strip {
     this.rows = rows ?? [];
     this.#metric = metric;
     slider.parentElement?.append(this.#canvas, this.#bar, this.#words, this.#aloud);
-    this.draw();
     if (rows) this.end();
+    else this.draw();
   }
 
   get signal() { return this.#abort.signal; }
 
+  get isComplete() { return this.rows.length === COUNT; }
+
+  /** @returns {AbortSignal} of runs that begin now, from the first position on */
+  go() {
+    this.#abort.abort();
+    this.#abort = new AbortController();
+    this.#failure = '';
+    this.#bar.hidden = false;
+    this.tell();
+    return this.signal;
+  }
+
+  /** Give up the runs under way; what they have told stays. */
+  pause() {
+    this.#abort.abort();
+    this.tell();
+  }
+
   /** @param {StudyRow} row */
   add(row) {
-    this.rows.push(row);
-    this.draw();
+    this.rows[row.number] = row;
+    // Several come within one frame.
+    this.#frame ||= requestAnimationFrame(() => { this.#frame = 0; this.draw(); });
   }
 
   /** All positions are known. */
   end() {
+    this.draw();
     this.#bar.hidden = true;
     this.#aloud.textContent = this.#summary();
     this.tell();
@@ -77,6 +98,7 @@ export class Strip {
 
   remove() {
     this.#abort.abort();
+    cancelAnimationFrame(this.#frame);
     for (const part of [this.#canvas, this.#bar, this.#words, this.#aloud]) part.remove();
   }
 
@@ -91,7 +113,7 @@ export class Strip {
     const track = this.#measured();
     this.#track = track;
     const metric = this.#metric.chosen;
-    const ended = rows.length === COUNT;
+    const ended = this.isComplete;
     const best = ended && this.#matters ? bestOf(rows, metric) : undefined;
     const left = `${track.left}px`;
     this.#canvas.style.left = left;
@@ -127,6 +149,8 @@ export class Strip {
     const thumb = placeOf(this.#value, this.field, track);
     const at = this.#pointer ?? thumb;
     const cell = cellsOf(COUNT, this.rows, track).find(({right}) => at <= right);
+    // Nothing is tried while the hand moves.
+    this.#words.hidden = this.signal.aborted && !cell?.row;
     this.#said[0].textContent = this.#failure || this.#at(cell?.row);
     this.#said[1].textContent = this.#rest();
     // So much of their width as lies before this place: they stay within, however long they are.

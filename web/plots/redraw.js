@@ -22,11 +22,12 @@ export class PlotRedraw {
   constructor(graph) { this.#graph = graph; }
 
   /**
-   * @param {Figure} figure
+   * @param {Figure} wanted
    * @param {{passing?: boolean}} [how] `passing`: another follows soon, and nobody points at this one
    * @returns {boolean} whether the graph is a new one
    */
-  draw(figure, {passing = false} = {}) {
+  draw(wanted, {passing = false} = {}) {
+    const figure = passing ? this.#inDrawnOrder(wanted) : wanted;
     const shape = shapeOf(figure);
     const axes = usedAxes(figure);
     // Where axes come and the size changes at once, the library draws the new axes' lines before it
@@ -45,6 +46,19 @@ export class PlotRedraw {
       throw error;
     }
     return fresh;
+  }
+
+  /**
+   * Which curve lies on top may change with every value: for the library that is another figure.
+   *
+   * @param {Figure} figure
+   * @returns {Figure} its traces as they lie now, where they are the same ones
+   */
+  #inDrawnOrder(figure) {
+    const traces = new Map(figure.data.map((trace) => [trace.uid, trace]));
+    const data = [...this.#drawn.keys()].flatMap((uid) => traces.get(uid) ?? []);
+    return data.length === figure.data.length && data.length === this.#drawn.size
+      ? {...figure, data} : figure;
   }
 
   #clear() {

@@ -59,8 +59,8 @@ export class ResponseMetrics {
     setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
-      const quick = current?.quick ?? false;
-      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, quick});
+      const estimated = current?.estimated ?? true;
+      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, estimated});
       for (const baseline of shown) {
         this.#fillBaseline(name, baseline, now, columns);
       }
@@ -115,9 +115,9 @@ export class ResponseMetrics {
    * @param {string} name
    * @param {LaneResponse|null} now
    * @param {Column[]} columns
-   * @param {{selected: boolean, quick: boolean}} how
+   * @param {{selected: boolean, estimated: boolean}} how
    */
-  #fillCurrent(name, now, columns, {selected, quick}) {
+  #fillCurrent(name, now, columns, {selected, estimated}) {
     const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
     const frozen = now?.frozen;
     row.classList.toggle('is-selected', selected);
@@ -125,7 +125,7 @@ export class ResponseMetrics {
     const state = /** @type {HTMLElement} */ (row.querySelector('.response-state'));
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
-    fillEstimate(estimate, now, quick);
+    fillEstimate(estimate, now, estimated);
     columns.forEach((column, index) => setText(cells[index], textOf(column, now)));
   }
 
@@ -138,7 +138,7 @@ export class ResponseMetrics {
   #fillBaseline(name, {id, response, failure}, now, columns) {
     const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name, id)));
     const then = response?.lanes.get(name) ?? null;
-    fillEstimate(estimate, then, false);
+    fillEstimate(estimate, then);
     const reason = incomparable(now, then, failure || (response ? '' : 'being computed'));
     row.title = reason;
     columns.forEach((column, index) => {
@@ -199,17 +199,18 @@ function fill(cell, value, {kind, text}) {
 /**
  * @param {HTMLElement} cell
  * @param {LaneResponse|null} lane
- * @param {boolean} quick whether nobody asked for an estimate, because a better run follows
+ * @param {boolean} [estimated] false: the estimate is asked for on release
  */
-function fillEstimate(cell, lane, quick) {
+function fillEstimate(cell, lane, estimated = true) {
   const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
   // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
   const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
-  const known = error === null ? (quick ? '…' : '–') : `±${figureNumber(ACCURACY, error)}`;
+  const due = error === null && !estimated;
+  const known = error === null ? (due ? '…' : '–') : `±${figureNumber(ACCURACY, error)}`;
   setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
   cell.classList.toggle('is-doubtful', doubtful);
   cell.title = [
-    quick ? 'estimated on release' : '',
+    due ? 'estimated on release' : '',
     (error ?? 0) > GOOD ? `above ${figureText(ACCURACY, GOOD)}` : '',
     unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
     capped > 0 ? `${counted(capped, 'row')} not subdivided as far as its error required` : '',

@@ -1,5 +1,5 @@
 // @ts-check
-/** Around the response: its tabs, two switches, which revision it belongs to, quick or exact. */
+/** Around the response: its tabs, two switches, which revision it belongs to. */
 
 import {element} from '../dom/element.js';
 import {isWatching, ownersLast} from '../api/watch_only.js';
@@ -12,14 +12,13 @@ import {isWatching, ownersLast} from '../api/watch_only.js';
 
 /** A run that is over sooner needs no word. */
 const PATIENCE_MS = 300;
-const QUICK = 'Steps of 2 ms while a control is being moved; the exact run follows on release.';
-const EXACT = 'Every lane from t = 0 over the horizon, with the step of the experiment.';
+const WHAT = 'Every lane from t = 0 over the horizon, with the step of the experiment.';
 
 /** The line of status with its progress bar, and what may go wrong. */
 export class ResponseHead {
   element;
   /** Which run is shown. */
-  status = element('span', {class: 'response-status', 'aria-live': 'polite'});
+  status = element('span', {class: 'response-status', 'aria-live': 'polite', title: WHAT});
   #preview;
   #revision;
   #bar = element('div', {
@@ -59,11 +58,10 @@ export class ResponseHead {
     this.#wait(busy);
     const text = latest ? wording(latest, this.#revision()) : nothingYet();
     // Nobody wants every step of a drag read out.
-    this.status.setAttribute('aria-busy', String(latest?.quick ?? false));
+    this.status.setAttribute('aria-busy', String(latest?.estimated === false));
     if (this.status.textContent !== text) this.status.textContent = text;
-    this.status.title = latest?.quick ? QUICK : EXACT;
     this.status.dataset.response = String(latest?.revision ?? '');
-    this.status.dataset.run = latest ? (latest.quick ? 'quick' : 'exact') : '';
+    this.status.dataset.estimated = String(latest?.estimated ?? '');
     this.#explain(failure);
   }
 
@@ -102,10 +100,9 @@ function nothingYet() {
  * @param {import('../api/preview_message.js').Response} response
  * @param {number} revision the live one
  */
-function wording({revision: of, quick}, revision) {
+function wording({revision: of}, revision) {
   if (isWatching()) return ownersLast('response', of, revision);
-  const which = of < revision ? `rev ${of}, now ${revision}` : `rev ${of}`;
-  return `${which} · ${quick ? 'quick run' : 'exact run'}`;
+  return of < revision ? `rev ${of}, now ${revision}` : `rev ${of}`;
 }
 
 /**

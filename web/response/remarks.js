@@ -21,7 +21,7 @@ export class ResponseRemarks {
   #desk;
   #names;
   #shown = '';
-  /** @type {Response|null} */ #exact = null;
+  /** @type {Response|null} */ #estimated = null;
 
   /**
    * @param {import('../api/api.js').Api} api
@@ -33,14 +33,14 @@ export class ResponseRemarks {
   }
 
   /**
-   * A quick response knows no accuracy: what the last exact one said stays as long as it lasts.
+   * A drag's responses have no estimate: what the last one with it said stays as long as it lasts.
    *
    * @param {import('../api/api.js').Lane[]} lanes
    * @param {Response|null} response
    */
   show(lanes, response) {
-    if (!response?.quick) this.#exact = response;
-    const remarks = lanes.flatMap((lane) => remarksOf(lane, response, this.#exact));
+    if (response?.estimated ?? true) this.#estimated = response;
+    const remarks = lanes.flatMap((lane) => remarksOf(lane, response, this.#estimated));
     const shown = JSON.stringify(remarks);
     if (shown === this.#shown) return;
     this.#shown = shown;
@@ -66,14 +66,14 @@ export class ResponseRemarks {
 /**
  * @param {import('../api/api.js').Lane} lane
  * @param {Response|null} response
- * @param {Response|null} exact
+ * @param {Response|null} estimated
  * @returns {Remark[]}
  */
-function remarksOf({name, color}, response, exact) {
+function remarksOf({name, color}, response, estimated) {
   /** @type {Remark[]} */ const remarks = [];
   const frozen = response?.lanes.get(name)?.frozen;
   if (frozen) remarks.push({name, color, text: frozen.cause, level: 'frozen', patch: null});
-  const accuracy = exact?.lanes.get(name)?.accuracy;
+  const accuracy = estimated?.lanes.get(name)?.accuracy;
   // How exactly a lane left its bounds is no news.
   if (accuracy?.remark && !frozen) {
     const {remark: text, patch} = accuracy;

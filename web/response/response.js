@@ -39,6 +39,8 @@ class ResponsePlots {
   #remarks;
   #metrics = new ResponseMetrics();
   #opens = recall('response.opens') === '1';
+  /** Whether anybody can see it. */
+  #seen = false;
 
   /**
    * @param {HTMLElement} root
@@ -91,13 +93,9 @@ class ResponsePlots {
 
   // Who looks
 
-  /** Whether anybody can see it. */
-  get #seen() {
-    // Asked for its size in the middle of a drag, the page would lay everything out.
-    return !document.hidden && this.#root.checkVisibility();
-  }
-
   #looked() {
+    // Asked for in the middle of a drag, the page would lay everything out.
+    this.#seen = !document.hidden && this.#root.checkVisibility();
     this.#preview.needed('view', this.#seen);
     this.#completeIfSeen();
     if (this.#seen) this.#tab?.mark(false);
@@ -132,7 +130,7 @@ class ResponsePlots {
     const {latest} = this.#preview;
     const experiment = latest && this.#preview.documentOf(latest);
     if (!latest || !experiment) return;
-    this.#baselines.pin(experiment, latest.quick ? null : latest);
+    this.#baselines.pin(experiment, latest.estimated ? latest : null);
   }
 
   // What is shown around the plots

@@ -12,7 +12,7 @@ import {RESPONSE_VIEWS} from './views.js';
 
 const NO_HORIZON = 10;
 /** Of the main thread; more than telemetry gets, because a picture comes only after each run. */
-const SHARE = 0.65;
+const SHARE = 0.8;
 
 /** @implements {import('../plot_view/plot_screen.js').PlotSource} */
 export class ResponseSource {
@@ -84,8 +84,8 @@ export class ResponseSource {
       message: drawable || this.#preview.failure ? '' : waiting(),
       marks: [],
       stops: stopsOf(content),
-      // An exact one follows every quick one.
-      passing: content.current?.quick,
+      // The same one follows with its estimate.
+      passing: content.current?.estimated === false,
     };
   }
 

@@ -51,6 +51,7 @@ export class RedrawPace {
     this.cost = this.count ? 0.8 * this.cost + 0.2 * cost : cost;
     this.count += 1;
     this.#last = before;
-    this.#earliest = before + Math.max(this.cost, cost) / this.#share;
+    // Smoothed: after one that took long, such as the first of a drag, the next needn't wait.
+    this.#earliest = before + this.cost / this.#share;
   }
 }

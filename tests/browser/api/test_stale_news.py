@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
 
 from tests.browser.conftest import Complaints, Dashboard
-from tests.browser.response.test_response import open_response, type_in, until_exact
+from tests.browser.response.test_response import open_response, type_in, until_estimated
 
 # What listens to a WebSocket stays with its page.
 pytestmark = pytest.mark.fresh
@@ -77,5 +77,5 @@ def test_a_busy_server_is_told_and_asked_again(
     page.route("**/api/preview", refuse)
     type_in(page, GAIN, "3")
     expect(page.locator(".response")).to_contain_text(text)
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(page.locator(".response")).not_to_contain_text(text)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+import time
+from collections.abc import Callable
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.conftest import Dashboard
 
@@ -107,6 +109,66 @@ def test_a_strip_of_another_experiment_is_not_shown(dashboard: Dashboard, screen
     change(dashboard, {"lanes": {PROPOSED: {"k1": 300.0}}})
     expect(words).not_to_have_text(before)
     expect(words).to_contain_text("best near", timeout=SLOW)
+
+
+def test_a_pressed_slider_has_its_strip_at_once_and_keeps_it_while_it_is_moved(
+    dashboard: Dashboard, screen: Page
+) -> None:
+    path = f"lanes.{PROPOSED}.c"
+    change(dashboard, {"lanes": {PROPOSED: {"k1": 310.0}}})
+    studies: list[str] = []
+    screen.on("request", lambda r: studies.append(r.url) if "/api/studies" in r.url else None)
+    track = slider(screen, path).bounding_box()
+    assert track is not None
+    middle = track["y"] + track["height"] / 2
+    screen.mouse.move(track["x"] + 0.5 * track["width"], middle)
+    screen.mouse.down()
+    strip = control(screen, path).locator(".heat-strip")
+    words = control(screen, path).locator(".heat-best")
+    expect(strip).to_have_count(1)
+    expect(words).to_contain_text("best near", timeout=SLOW)
+    known = words.inner_text()
+    asked = len(studies)
+    before = experiment(dashboard)["lanes"][PROPOSED]["c"]
+    for share in (0.55, 0.6, 0.65, 0.7):
+        screen.mouse.move(track["x"] + share * track["width"], middle)
+        expect(words).to_have_text(known)
+    screen.mouse.up()
+    expect(words).to_have_text(known)
+    assert len(studies) == asked
+    assert experiment(dashboard)["lanes"][PROPOSED]["c"] != before
+
+
+def test_a_strip_s_runs_wait_while_its_slider_is_moved(dashboard: Dashboard, screen: Page) -> None:
+    path = f"lanes.{PROPOSED}.c"
+    waiting: list[Route] = []
+    given_up: list[str] = []
+    released: list[bool] = []
+    screen.route(
+        "**/api/studies/strip",
+        lambda route: route.continue_() if released else waiting.append(route),
+    )
+    screen.on("requestfailed", lambda r: given_up.append(r.url) if "/strip" in r.url else None)
+    track = slider(screen, path).bounding_box()
+    assert track is not None
+    middle = track["y"] + track["height"] / 2
+    screen.mouse.move(track["x"] + 0.5 * track["width"], middle)
+    screen.mouse.down()
+    until(screen, lambda: bool(waiting), "no runs begin when the slider is pressed")
+    for share in (0.55, 0.6, 0.65):
+        screen.mouse.move(track["x"] + share * track["width"], middle)
+    until(screen, lambda: bool(given_up), "the runs go on while the slider is moved")
+    released.append(True)
+    words = control(screen, path).locator(".heat-best")
+    expect(words).to_contain_text("best near", timeout=SLOW)
+    screen.mouse.up()
+
+
+def until(page: Page, done: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + 30.0
+    while not done():
+        assert time.monotonic() < deadline, what
+        page.wait_for_timeout(20)
 
 
 def test_a_joint_has_a_strip_of_its_own_share(dashboard: Dashboard, screen: Page) -> None:

@@ -37,8 +37,8 @@ COUNT_PREVIEWS = """
 KEEP_SHOWN = """
   seen => {
     window.shown = [];
-    const keep = () => window.shown.push(seen.dataset.run ?? seen.textContent);
-    const what = {attributeFilter: ['data-run'], characterData: true, childList: true};
+    const keep = () => window.shown.push(seen.dataset.estimated ?? seen.textContent);
+    const what = {attributeFilter: ['data-estimated'], characterData: true, childList: true};
     new MutationObserver(keep).observe(seen, {...what, subtree: true});
   }
 """
@@ -50,18 +50,17 @@ AGREEMENT = 0.01
 def open_response(page: Page, dashboard: Dashboard) -> None:
     page.goto(dashboard.url)
     page.locator("[data-view=response]").click()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
 
 
 def revision(dashboard: Dashboard) -> int:
     return int(dashboard.client.get("/api/experiment").json()["revision"])
 
 
-def until_exact(page: Page, dashboard: Dashboard) -> None:
-    """Wait for the exact response of the newest revision, drawn."""
+def until_estimated(page: Page, dashboard: Dashboard) -> None:
+    """Wait for the response of the newest revision with its estimate, drawn."""
     status = page.locator(".response-status")
-    # The first one waits until the server's processes for such runs have started.
-    expect(status).to_have_attribute("data-run", "exact", timeout=60_000)
+    expect(status).to_have_attribute("data-estimated", "true", timeout=60_000)
     expect(status).to_have_attribute("data-response", str(revision(dashboard)))
     expect(lines_shown(page).nth(8)).to_be_attached()
 
@@ -172,11 +171,11 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
 
     page.locator(".response-status").evaluate(KEEP_SHOWN)
     with held(page, "lanes.RBFNN-NFTSM.c"):
-        until_shown(page, "quick")
+        until_shown(page, "false")
         expect(row(page, "RBFNN-NFTSM").locator(".metrics-mae1")).not_to_have_text(
             f"{expected_figures(run, 'RBFNN-NFTSM')[0]:.3g}"
         )
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     assert page.evaluate("() => window.mostPreviews") == 1
     moved = simulated(dashboard)
     for lane in LANES:
@@ -184,7 +183,7 @@ def test_a_drag_redraws_the_whole_response_and_its_figures_agree_with_simulate(
     changed = [old != new for old, new in zip(before, curves(page), strict=True)]
     assert changed[0::3] == [True] * 3
     dashboard.client.patch("/api/experiment", json={"trajectory": {"amplitude": 0.5}})
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     smaller = simulated(dashboard)
     for lane in LANES:
         assert figures(page, lane) == pytest.approx(expected_figures(smaller, lane), rel=AGREEMENT)
@@ -201,18 +200,18 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     name.press("Enter")
     expect(row(page, "NFTSM", "as published")).to_contain_text("same")
     type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     compared = row(page, "RBFNN-NFTSM", "as published")
     expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▼ \d+ % better"))
     type_in(page, "lanes.RBFNN-NFTSM.nu", "0.1")
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
     lines = lines_shown(page)
     expect(lines).to_have_count(3 * 2 * len(LANES))
 
     page.reload()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(page.get_by_role("textbox", name="Name of the baseline")).to_have_value("as published")
     expect(compared.locator(".metrics-mae1")).to_have_text(re.compile(r"▲ .+ worse"))
     assert figures(page, "RBFNN-NFTSM", "as published") == before
@@ -221,7 +220,7 @@ def test_a_baseline_is_compared_in_words_and_survives_a_reload(
     expect(compared).to_have_count(0)
     page.get_by_role("button", name="Remove as published").click()
     page.reload()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(page.locator(".response-chip")).to_have_count(0)
 
 
@@ -321,7 +320,7 @@ def test_nobody_pays_for_a_response_that_is_not_seen(page: Page, dashboard: Dash
     expect(tab).to_have_attribute("aria-selected", "false")
     assert not [url for url in asked if url.endswith("/api/preview")]
     tab.click()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(tab).not_to_contain_text("changed")
     page.get_by_role("switch", name="open on drag").check()
     page.locator("[data-view=live]").click()
@@ -335,7 +334,7 @@ def test_the_present_is_solid_and_what_it_is_compared_with_dashed(
     open_response(page, dashboard)
     page.get_by_role("button", name="Pin as baseline").click()
     type_in(page, "lanes.RBFNN-NFTSM.nu", "3")
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     lines = lines_shown(page)
     expect(lines).to_have_count(2 * 3 * len(LANES))
     look = "lines => lines.map(line => getComputedStyle(line).strokeDasharray)"

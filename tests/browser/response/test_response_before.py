@@ -17,7 +17,7 @@ from tests.browser.response.test_response import (
     open_response,
     paths,
     type_in,
-    until_exact,
+    until_estimated,
     until_shown,
 )
 
@@ -52,9 +52,9 @@ def test_the_response_before_the_last_change_stays_as_a_faint_curve(
     assert before(page) == []
     page.locator(".response-status").evaluate(KEEP_SHOWN)
     with held(page, GAIN):
-        until_shown(page, "quick")
+        until_shown(page, "false")
         expect(lines_before(page)).to_have_count(3)
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     # One drag of many patches; only the lane that it is about. Its axes hold still.
     until(page, lambda: before(page) == first)
     faint, solid = (lines(page).evaluate_all(LOOK) for lines in (lines_before, lines_shown))
@@ -80,10 +80,10 @@ def test_the_response_before_the_last_change_stays_as_a_faint_curve(
     switch.click()
     expect(lines_before(page)).to_have_count(0)
     page.reload()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(switch).to_have_attribute("aria-pressed", "false")
     type_in(page, GAIN, "1")
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(lines_before(page)).to_have_count(0)
     switch.click()
     expect(lines_before(page)).to_have_count(3)
@@ -98,9 +98,9 @@ def test_what_was_before_a_change_that_nobody_saw_is_computed(
         type_in(page, GAIN, value)
         expect(page.locator(f"[data-path='{GAIN}'].is-changed")).to_have_count(1)
     page.locator("[data-view=response]").click()
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     expect(lines_before(page)).to_have_count(3)
     faint = before(page)
     page.keyboard.press("Control+z")
-    until_exact(page, dashboard)
+    until_estimated(page, dashboard)
     until(page, lambda: present(page) == faint)
