@@ -13,6 +13,7 @@ from slidetune.robot.integrator.implicit_step import STUCK
 from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, loop_arrays
 from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.known_shape import as_floats
 from slidetune.robot.kernels.workspace import CAPPED, CUT, ERRORS, OVER, RESIGNED, TALLY, WRONG
 
 Array = np.ndarray
@@ -107,7 +108,7 @@ def begin_parts(t, cutting, table):  # type: ignore[no-untyped-def]
         table: the lane's table.
     """
     _, _, _, _, work, _ = loop_arrays(table)
-    h, halvings = table.view(np.float64)[STEP], cutting[MOST]
+    h, halvings = as_floats(table)[STEP], cutting[MOST]
     work[TALLY, CUT] += 1.0
     work[ERRORS, OVER] = 0.0
     _fill(t, h, cutting)
@@ -127,7 +128,7 @@ def next_part(cutting, table):  # type: ignore[no-untyped-def]
         Whether there is one. When there is none, RESULT is 0 or 1 + the joint that left its bounds,
         or RAISED, and the table is as it was before.
     """
-    numbers = table.view(np.float64)
+    numbers = as_floats(table)
     _, _, _, _, work, _ = loop_arrays(table)
     if cutting[DEPTH] == 0.0 or cutting[RESULT] != 0.0:
         if work[ERRORS, OVER] > 1.0:

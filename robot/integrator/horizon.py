@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import types
 from numba.extending import intrinsic
 
@@ -31,6 +30,7 @@ from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.integrator.stages import FIRST, SECOND, observe, sample, substep
 from slidetune.robot.kernels.by_address import called
 from slidetune.robot.kernels.compiler import kernel, released
+from slidetune.robot.kernels.known_shape import as_floats
 from slidetune.robot.kernels.workspace import CURRENT, HALF, MEASURED_Q, MEASURED_V, Q, V
 
 STOPPED = -4
@@ -56,7 +56,7 @@ def _attempt(stage, first, t, row, table):  # type: ignore[no-untyped-def]
         bad = _make_stage(stage, first, t, row, table)
         if bad != 0 or first != FIRST:
             return bad
-        first, state, t = SECOND, HALF, t + 0.5 * table.view(np.float64)[STEP]
+        first, state, t = SECOND, HALF, t + 0.5 * as_floats(table)[STEP]
 
 
 @released

@@ -22,6 +22,7 @@ from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import Control, call_back, call_law, callback, compiled_law
 from slidetune.robot.kernels.compiler import inlined, kernel
+from slidetune.robot.kernels.known_shape import as_floats
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS, Q, V
 
 Array = np.ndarray
@@ -139,7 +140,7 @@ _pointer: Any = intrinsic(_as_pointer)
 @inlined
 def settings(table):  # type: ignore[no-untyped-def]
     """Return step [s], control period [s] and tolerance of a table."""
-    numbers = table.view(np.float64)
+    numbers = as_floats(table)
     return numbers[STEP], numbers[PERIOD], numbers[TOLERANCE]
 
 
@@ -160,7 +161,7 @@ def loop_arrays(table):  # type: ignore[no-untyped-def]
 def delay_line(table):  # type: ignore[no-untyped-def]
     """Return the torques on their way, and the input delay: control periods, steps of the arm."""
     commands = carray(_pointer(table[COMMANDS]), (table[COMMAND_ROWS], JOINTS), np.float64)
-    return commands, table[DELAY_PERIODS], table.view(np.float64)[DELAY_SUBSTEPS]
+    return commands, table[DELAY_PERIODS], as_floats(table)[DELAY_SUBSTEPS]
 
 
 @kernel

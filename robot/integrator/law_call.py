@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from contextvars import ContextVar
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ _error: ContextVar[Exception | None] = ContextVar("error", default=None)
 _llvm: Any = cgutils
 
 
+@lru_cache(maxsize=64)
 def compiled_law(control: Control) -> int:
     """Return the address of a law's compiled code, 0 where there is none."""
     if not hasattr(control, "get_compile_result"):

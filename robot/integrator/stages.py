@@ -222,8 +222,8 @@ def sample(t, number, row, table):  # type: ignore[no-untyped-def]
     if bad == 0:
         commands, _, _ = delay_line(table)
         _, _, _, _, work, _ = loop_arrays(table)
-        if len(commands) > 0:
-            commands[number % len(commands)] = work[TAU]
+        for j in range(JOINTS if len(commands) > 0 else 0):
+            commands[number % len(commands), j] = work[TAU, j]
     return bad
 
 

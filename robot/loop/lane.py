@@ -112,7 +112,12 @@ class Lane:
     """
 
     def __init__(
-        self, name: str, packed: Packed, record: Array, cutting: Array | None = None
+        self,
+        name: str,
+        packed: Packed,
+        record: Array,
+        cutting: Array | None = None,
+        stepped: bool = True,
     ) -> None:
         """Stand at the beginning of the trajectory with empty weights.
 
@@ -121,8 +126,10 @@ class Lane:
             packed: the experiment as numbers.
             record: rows to write. Shape (n, 48).
             cutting: what ``cutting_of`` returned; by default as far as in a live session.
+            stepped: whether it is stepped; if not, its rows are made by ``bind_rows``, and it has
+                no ``step``.
         """
-        self.name = name
+        self.name, self._stepped = name, stepped
         self.record = record
         self.cutting = cutting_of() if cutting is None else cutting
         self.work = np.zeros((WORK_ROWS, JOINTS))
@@ -151,9 +158,9 @@ class Lane:
         """Take other gains, arm or trajectory from the next step on; the state goes on."""
         law = LAWS[packed.experiment.lanes[self.name].law]
         self.commands = torques_on_the_way(packed, self.work, self.commands)
-        gains = packed.gains[self.name]
-        arrays = (gains, self.work, self.record, self.commands)
-        self.step: Step = bind_step(law, packed, *arrays, self.cutting)
+        if self._stepped:
+            arrays = (packed.gains[self.name], self.work, self.record, self.commands)
+            self.step: Step = bind_step(law, packed, *arrays, self.cutting)
 
     def continue_from(self, other: Lane, packed: Packed) -> None:
         """Take over another lane's state, torques on their way, past rows and freeze.

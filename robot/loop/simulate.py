@@ -133,8 +133,8 @@ def stop_flag() -> Array:
 def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-def]
     for row in range(len(time)):
         reference(time[row], numbers, work)
-        q_d[row] = work[QD]
-        v_d[row] = work[VD]
+        for j in range(JOINTS):
+            q_d[row, j], v_d[row, j] = work[QD, j], work[VD, j]
 
 
 class DesiredMotion(NamedTuple):
@@ -176,7 +176,7 @@ def _run_lane(name: str, packed: Packed, tolerance: float, stop: Array, tell: Te
     simulation = packed.experiment.simulation
     count = simulation.rows
     cutting = cutting_of_whole_run(count, tolerance)
-    lane = Lane(name, packed, record_of(count), cutting)
+    lane = Lane(name, packed, record_of(count), cutting, stepped=not packed.compiled)
     make = bind_rows(lane, packed) or stepped_rows(lane, packed)
     rows, at_once = np.zeros(2, np.int64), count if tell is None else count // _TOLD + 1
     while rows[0] < count:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
+import httpx
 import numpy as np
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
@@ -144,6 +145,10 @@ def _pace(
 def _with_client(quick: bool, progress: Callable[[float], None]) -> tuple[float, list[Measurement]]:
     with running_server() as server:
         progress(0.3)
+        # The workers load what they need at the start: until then they are the busiest.
+        wanted = {"patch": {"simulation": {"horizon": 0.5}}}
+        address = f"http://127.0.0.1:{server.port}/api/preview"
+        httpx.post(address, json=wanted, timeout=60.0).raise_for_status()
         thread = stepping_thread(server.process, 0.5 if quick else 2.0)
         address = f"ws://127.0.0.1:{server.port}/api/live"
         with connect(address, compression=None, max_size=None, proxy=None) as connection:
