@@ -1,6 +1,6 @@
 """The server with two broken laws: SMC raises after a while, PD gives NaN at one gain.
 
-Run it like the server: ``python -m tests.trust.broken_laws serve``.
+Run it like the server: ``python -m tests.trust.faults.broken_laws serve``.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from slidetune.robot.laws import LAWS
 from slidetune.robot.laws.computed_torque import ComputedTorque
 from slidetune.server.cli import main
 
-CALLS = 1500
-"""How often the kernel of SMC does its work before it raises for good."""
+CALLS = 5000
+"""How often SMC does its work before it raises for good; to warm up takes some 1600 calls."""
 POISON = 398.0
 """Gain k_d at which the numbers of PD are none."""
 MESSAGE = "broken on purpose"

@@ -1,7 +1,8 @@
 """The server with a clock on the wall that jumps: by as much as a file says, in seconds.
 
-Run it like the server: ``python -m tests.trust.jumping_clock serve``. The real clock of a machine
-isn't ours to turn, so every way in which Python tells the time of day is turned in this process.
+Run it like the server: ``python -m tests.trust.faults.jumping_clock serve``. The real clock of a
+machine isn't ours to turn, so every way in which Python tells the time of day is turned in this
+process.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from tests.trust.faults import broken_laws
 from tests.trust.faults.broken_laws import MESSAGE, POISON
 from tests.trust.faults.fault import Fault, Outcome, Promises
 from tests.trust.faults.live import Follower, Message
@@ -75,7 +76,7 @@ def break_laws(quick: bool) -> Outcome:
     """Run a server with two broken laws."""
     promises, times = Promises(), []
     modes = ("continuous",) if quick else ("continuous", "sampled")
-    with served(module="tests.trust.broken_laws") as server, server.http() as http:
+    with served(module=broken_laws.__name__) as server, server.http() as http:
         with Follower(server.port) as live:
             for mode in modes:
                 times += _one_mode(live, http, promises, mode)

@@ -14,6 +14,7 @@ from pathlib import Path
 from slidetune.server.live.pacing import LONGEST
 from slidetune.server.serve import PORTS
 from tests.server.scene.viser_client import ViserClient
+from tests.trust.faults import jumping_clock
 from tests.trust.faults.fault import Fault, Outcome, Promises
 from tests.trust.faults.jumping_clock import DAY, VARIABLE
 from tests.trust.faults.live import Follower
@@ -155,7 +156,7 @@ def turn_clock(quick: bool) -> Outcome:
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "clock"
         path.write_text("0")
-        arguments = {"module": "tests.trust.jumping_clock", "environment": {VARIABLE: str(path)}}
+        arguments = {"module": jumping_clock.__name__, "environment": {VARIABLE: str(path)}}
         with served(**arguments) as server, Follower(server.port) as live:
             scene = ViserClient(server.port, "/scene")
             live.wait(lambda: live.last[1] > 0.5, "frames")

@@ -50,7 +50,7 @@ class Server:
     def __init__(
         self,
         options: Sequence[str] = ("--port", "0"),
-        module: str = "server",
+        module: str = "slidetune",
         environment: Mapping[str, str] | None = None,
         prepare: Callable[[], None] | None = None,
     ) -> None:
@@ -58,7 +58,7 @@ class Server:
 
         Args:
             options: options of ``serve``.
-            module: what to run: ``server``, or a script of ours that spoils something first.
+            module: what to run: ``slidetune``, or a script of ours that spoils something first.
             environment: variables to set for it.
             prepare: called in the new process before the program is loaded.
         """
