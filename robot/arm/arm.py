@@ -73,13 +73,18 @@ class Arm(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def true_arm(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> Arm:
+def build_arm(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> Arm:
     """Return an arm; the arguments are those of ``build_model``."""
     model = build_model(robot, mismatch, payload)
     chain = checked_chain(model)
     if chain is None:
-        log.warning("The compiled recursion does not agree with Pinocchio: runs are stepped.")
+        _warn_once()
     return Arm(model, chain)
+
+
+@cache
+def _warn_once() -> None:
+    log.warning("The compiled recursion does not agree with Pinocchio: runs are stepped.")
 
 
 def nominal_arm(robot: Robot, mismatch: float) -> Arm | None:
@@ -90,7 +95,7 @@ def nominal_arm(robot: Robot, mismatch: float) -> Arm | None:
     knows_payload = robot.payload.known or robot.payload.mass == 0.0
     if mismatch == 1.0 and knows_payload:
         return None
-    return true_arm(robot, mismatch, robot.payload.known)
+    return build_arm(robot, mismatch, robot.payload.known)
 
 
 @cache

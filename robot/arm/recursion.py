@@ -22,10 +22,10 @@ SLIDES = 23  # 0 for a revolute joint, 1 for a prismatic one
 CHAIN_COLUMNS = 24
 # One more row holds the acceleration of free fall, in columns 0 to 2 [m/s^2].
 
-# Columns of the memory that the recursion writes, a row for each joint.
-AXIS = 0  # motion at a unit rate: angular, then linear at the origin
-FORCE = 6  # that keeps the body on its motion: moment about the origin, then force
-BODY = 12  # mass, mass times centre, inertia about the origin
+# Columns of the memory that the recursion writes, a row for each joint: 0 to 5 the motion at a unit
+# rate, angular, then linear at the origin; 6 to 11 what keeps the body on its motion, torque about
+# the origin, then force; 12 the mass, 13 to 15 its first moment, 16 to 21 the inertia about the
+# origin.
 SCRATCH_COLUMNS = 22
 
 
@@ -91,15 +91,16 @@ def _about_origin(moment, centre, about_centre):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _momentum(mass, moment, tensor, turn, slide):  # type: ignore[no-untyped-def]
-    """Return what a body's inertia makes of a motion: about the origin, and along the axes."""
+def _momentum(mass, moment, tensor, omega, velocity):  # type: ignore[no-untyped-def]
+    """Return angular momentum about the origin and linear momentum of a body that moves."""
     xx, xy, xz, yy, yz, zz = tensor
     about = (
-        xx * turn[0] + xy * turn[1] + xz * turn[2],
-        xy * turn[0] + yy * turn[1] + yz * turn[2],
-        xz * turn[0] + yz * turn[1] + zz * turn[2],
+        xx * omega[0] + xy * omega[1] + xz * omega[2],
+        xy * omega[0] + yy * omega[1] + yz * omega[2],
+        xz * omega[0] + yz * omega[1] + zz * omega[2],
     )
-    return _plus(about, _cross(moment, slide)), _plus(_times(mass, slide), _cross(turn, moment))
+    linear = _plus(_times(mass, velocity), _cross(omega, moment))
+    return _plus(about, _cross(moment, velocity)), linear
 
 
 @kernel
@@ -115,8 +116,8 @@ def chain_dynamics(chain, q, v, inertia, bias, scratch):  # type: ignore[no-unty
 
     Args:
         chain: what ``pack_chain`` returned. Shape (n + 1, 24).
-        q: joint angles in [rad], or ways in [m]. Shape (n,).
-        v: their rates. Shape (n,).
+        q: joint angles in [rad], or displacements in [m]. Shape (n,).
+        v: joint velocities in [rad/s], or [m/s]. Shape (n,).
         inertia: where M goes, with the armature. Shape (n, n).
         bias: where h goes in [N m], or [N]. Shape (n,).
         scratch: memory of its own. Shape (n, 22).
@@ -130,9 +131,9 @@ def _outwards(chain, q, v, scratch):  # type: ignore[no-untyped-def]
     """Carry frame, velocity and acceleration from body to body; write axes, forces and bodies."""
     count, nothing = chain.shape[0] - 1, (0.0, 0.0, 0.0)
     frame = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    place, turn, slide, turning = nothing, nothing, nothing, nothing
+    place, omega, velocity, alpha = nothing, nothing, nothing, nothing
     # To fall upwards is to feel the weight.
-    sliding = -chain[count, 0], -chain[count, 1], -chain[count, 2]
+    acceleration = -chain[count, 0], -chain[count, 1], -chain[count, 2]
     for j in range(count):
         c, memory = chain[j], scratch[j]
         place = _plus(place, _mixed(frame, c[PLACE], c[PLACE + 1], c[PLACE + 2]))
@@ -152,24 +153,25 @@ def _outwards(chain, q, v, scratch):  # type: ignore[no-untyped-def]
             )
             axis, arm = z, _cross(place, z)
         frame = x, y, z
-        rate_turn, rate_slide = _times(v[j], axis), _times(v[j], arm)
-        turning = _plus(turning, _cross(turn, rate_turn))
-        sliding = _plus(sliding, _plus(_cross(turn, rate_slide), _cross(slide, rate_turn)))
-        turn, slide = _plus(turn, rate_turn), _plus(slide, rate_slide)
+        joint_omega, joint_velocity = _times(v[j], axis), _times(v[j], arm)
+        alpha = _plus(alpha, _cross(omega, joint_omega))
+        bend = _plus(_cross(omega, joint_velocity), _cross(velocity, joint_omega))
+        acceleration = _plus(acceleration, bend)
+        omega, velocity = _plus(omega, joint_omega), _plus(velocity, joint_velocity)
         mass = c[MASS]
         centre = _plus(place, _mixed(frame, c[CENTRE], c[CENTRE + 1], c[CENTRE + 2]))
         moment = _times(mass, centre)
         tensor = _turned(frame, (c[TENSOR], c[17], c[18], c[19], c[20], c[21]))
         tensor = _about_origin(moment, centre, tensor)
-        spin, push = _momentum(mass, moment, tensor, turn, slide)
-        twist, force = _momentum(mass, moment, tensor, turning, sliding)
-        twist = _plus(twist, _plus(_cross(turn, spin), _cross(slide, push)))
-        force = _plus(force, _cross(turn, push))
+        angular, linear = _momentum(mass, moment, tensor, omega, velocity)
+        torque, force = _momentum(mass, moment, tensor, alpha, acceleration)
+        torque = _plus(torque, _plus(_cross(omega, angular), _cross(velocity, linear)))
+        force = _plus(force, _cross(omega, linear))
         memory[0], memory[1], memory[2] = axis
         memory[3], memory[4], memory[5] = arm
-        memory[6], memory[7], memory[8] = twist
+        memory[6], memory[7], memory[8] = torque
         memory[9], memory[10], memory[11] = force
-        memory[BODY] = mass
+        memory[12] = mass
         memory[13], memory[14], memory[15] = moment
         memory[16], memory[17], memory[18], memory[19], memory[20], memory[21] = tensor
 
@@ -178,14 +180,14 @@ def _outwards(chain, q, v, scratch):  # type: ignore[no-untyped-def]
 def _inwards(chain, inertia, bias, scratch):  # type: ignore[no-untyped-def]
     """Add up forces and bodies from the last joint to the first; write M and h."""
     nothing, mass = (0.0, 0.0, 0.0), 0.0
-    twist, force, moment, high, low = nothing, nothing, nothing, nothing, nothing
+    torque, force, moment, high, low = nothing, nothing, nothing, nothing, nothing
     for j in range(chain.shape[0] - 2, -1, -1):
         own = scratch[j]
         axis, arm = (own[0], own[1], own[2]), (own[3], own[4], own[5])
-        twist = _plus(twist, (own[6], own[7], own[8]))
+        torque = _plus(torque, (own[6], own[7], own[8]))
         force = _plus(force, (own[9], own[10], own[11]))
-        bias[j] = _dot(axis, twist) + _dot(arm, force)
-        mass += own[BODY]
+        bias[j] = _dot(axis, torque) + _dot(arm, force)
+        mass += own[12]
         moment = _plus(moment, (own[13], own[14], own[15]))
         high = _plus(high, (own[16], own[17], own[18]))
         low = _plus(low, (own[19], own[20], own[21]))

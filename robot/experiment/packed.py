@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.arm.arm import nominal_arm, true_arm
+from slidetune.robot.arm.arm import build_arm, nominal_arm
 from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.errors import FieldError, InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
@@ -66,7 +66,7 @@ def pack(experiment: Experiment) -> Packed:
     environment = pack_environment(
         experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit
     )
-    truth = true_arm(robot)
+    truth = build_arm(robot)
     nominal = nominal_arm(robot, experiment.disturbance.nominal_mismatch)
     return Packed(
         experiment=experiment,

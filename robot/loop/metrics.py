@@ -91,7 +91,7 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     """Return the power spectral density of each joint's torque, by Welch's method.
 
     Segments of a second, half of each in the next, without their linear trend: what
-    ``scipy.signal.welch`` gives, in a fifth of its time.
+    ``scipy.signal.welch`` gives, in a quarter of its time.
 
     Args:
         torque: torque in [N m]. Shape (n, 6).
@@ -160,7 +160,7 @@ def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | N
 
 
 @kernel
-def _greatest(error, velocity_error, torque, out):  # type: ignore[no-untyped-def]
+def _sums_and_peaks(error, velocity_error, torque, out):  # type: ignore[no-untyped-def]
     """Write each joint's sum of ``|e|`` in [rad] and the greatest ``|e|``, ``|de|``, torque."""
     for row in range(len(error)):
         for j in range(JOINTS):
@@ -188,15 +188,15 @@ def measure_lane(
     period = float(time[1] - time[0]) if len(time) > 1 else 1.0
     torque, way = columns["tau"], columns["flange"] - columns["flange_desired"]
     distance = np.sqrt(np.einsum("ij,ij->i", way, way))
-    most = np.zeros((4, JOINTS))
-    _greatest(columns["e"], columns["de"], torque, most)
+    figures = np.zeros((4, JOINTS))
+    _sums_and_peaks(columns["e"], columns["de"], torque, figures)
     return Metrics(
-        mae=most[0] / len(time),
-        max_error=most[1],
-        max_velocity_error=most[2],
+        mae=figures[0] / len(time),
+        max_error=figures[1],
+        max_velocity_error=figures[2],
         chattering=total_variation(torque, period),
         high_frequency_torque=high_frequency_torque(torque, period),
-        peak_torque=most[3],
+        peak_torque=figures[3],
         reaching_time=reaching_times(time, columns["S"], layer),
         flange_rms=float(np.sqrt(np.mean(distance**2))),
         flange_max=float(distance.max()),

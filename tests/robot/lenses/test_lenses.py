@@ -138,7 +138,7 @@ def test_reaching_is_what_the_metrics_say_and_the_layer_holds_after_it(terminal:
     assert view.outside == pytest.approx(np.mean((np.abs(run.S) > run.layer).any(axis=1)))
 
 
-def test_V_is_half_S_M_S_of_the_true_arm(terminal: Any) -> None:
+def test_V_is_half_S_M_S_of_the_build_arm(terminal: Any) -> None:
     packed, run = terminal
     V = sliding_mode.energy(packed, run.q[::100], run.S[::100])
     for number, row in enumerate(range(0, len(run.q), 100)):

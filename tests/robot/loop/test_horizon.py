@@ -316,9 +316,10 @@ def test_one_call_gives_the_rows_of_single_steps_of_whatever_can_be_set() -> Non
 def without_chain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """No arm agrees with Pinocchio."""
     monkeypatch.setattr(arm, "checked_chain", lambda model: None)
-    arm.true_arm.cache_clear()
+    arm.build_arm.cache_clear()
+    arm._warn_once.cache_clear()
     yield
-    arm.true_arm.cache_clear()
+    arm.build_arm.cache_clear()
 
 
 def test_an_arm_that_is_no_chain_is_stepped_and_says_so_once(
@@ -335,7 +336,7 @@ def test_an_arm_that_is_no_chain_is_stepped_and_says_so_once(
     assert len(told) == 1
     assert "stepped" in told[0].getMessage()
     monkeypatch.undo()
-    arm.true_arm.cache_clear()
+    arm.build_arm.cache_clear()
     for name, lane in simulate(experiment).lanes.items():
         for column in ("q", "v", "tau", "S", "f", "weights"):
             expected = getattr(lane, column)

@@ -6,6 +6,9 @@ import json
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import signal
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
@@ -14,6 +17,7 @@ from slidetune.robot.loop.metrics import (
     high_frequency_torque,
     measure_lane,
     reaching_times,
+    torque_spectrum,
     total_variation,
 )
 from slidetune.robot.loop.simulate import simulate
@@ -60,6 +64,34 @@ def test_tone_above_fifty_hertz_counts_with_its_effective_value(
 def test_tone_below_fifty_hertz_does_not_count(frequency: float) -> None:
     found = high_frequency_torque(tone(frequency, 1000.0, 1000.0) + 500.0, 1e-3)
     assert found == pytest.approx(0.0, abs=0.01)
+
+
+@given(
+    rate=st.floats(101.0, 4000.0),
+    rows=st.integers(26, 6000),
+    seed=st.integers(0, 1000),
+    slope=st.floats(-100.0, 100.0),
+)
+def test_the_spectrum_is_that_of_scipy(rate: float, rows: int, seed: int, slope: float) -> None:
+    torque = np.random.default_rng(seed).normal(size=(rows, JOINTS))
+    torque += slope * np.arange(rows)[:, None]
+    found = torque_spectrum(torque, 1.0 / rate)
+    if rows / rate < 0.25:
+        assert found is None
+        return
+    assert found is not None
+    expected = signal.welch(
+        torque,
+        1.0 / (1.0 / rate),
+        window="blackmanharris",
+        nperseg=min(rows, max(256, int(1.0 / (1.0 / rate)))),
+        axis=0,
+        detrend="linear",
+    )
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-12)
+    # Of a steep line its rounding is left over.
+    scale = expected[1].max() + (slope * rows) ** 2
+    np.testing.assert_allclose(found[1], expected[1], rtol=1e-9, atol=1e-12 * scale)
 
 
 def test_joints_add_up_as_squares() -> None:

@@ -28,8 +28,10 @@ Array = np.ndarray
 Body = dict[str, Any]
 
 SHORT = {"simulation": {"horizon": 1.0}}
-SLOW = {"simulation": {"mode": "sampled", "control_rate": 4000.0, "horizon": 20.0}}
-"""Long enough that a test can act while it runs."""
+SLOW = {
+    "simulation": {"mode": "sampled", "control_rate": 4000.0, "plant_substeps": 99, "horizon": 20.0}
+}
+"""Next to the most that is run: a test can act meanwhile, however fast the machine is."""
 CALM = {
     "robot": {"inertials": "datasheet", "armature": [0.6] * 3 + [0.15] * 3},
     "lanes": {

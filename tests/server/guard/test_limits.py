@@ -255,6 +255,9 @@ def test_a_message_that_is_too_large_ends_its_own_connection(served: Served) -> 
 
 def test_one_study_more_than_may_be_is_refused_and_a_seat_comes_free(served: Served) -> None:
     body = {"lane": "NFTSM", "field": "nu", "count": 60}
+    # Long runs: none of them ends before the last one is refused.
+    patch = {"simulation": {"horizon": 60.0}}
+    served.http.patch("/api/experiment", json=patch).raise_for_status()
     with ExitStack() as stack:
         for _ in range(MAX_STUDIES):
             study = served.http.stream("POST", "/api/studies/strip", json=body)
