@@ -12,8 +12,15 @@ from __future__ import annotations
 from math import inf, isfinite
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.implicit_solve import SOLVED, solve_curves
-from slidetune.robot.integrator.tangent import fill, follow_tanh, is_smooth, tangents_hold
+from slidetune.robot.integrator.drive import begin_lag, end_lag, lags, without_lag
+from slidetune.robot.integrator.implicit_solve import SOLVED, curved_command, solve_curves
+from slidetune.robot.integrator.tangent import (
+    fill,
+    final_torque,
+    follow_tanh,
+    is_smooth,
+    tangents_hold,
+)
 from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.elimination import solve, solve_symmetric
 from slidetune.robot.kernels.known_shape import square, workspace
@@ -22,7 +29,9 @@ from slidetune.robot.kernels.workspace import (
     APPLIED,
     CHANGE_Q,
     CHANGE_V,
+    COMMAND,
     CURRENT,
+    CURVED,
     DIAGONAL,
     ERRORS,
     F_SLOPE,
@@ -79,16 +88,28 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
         solve(work)
     else:
         solve_symmetric(work)
+    work[FLAGS, CURVED] = 0.0
     if is_smooth(h, environment, work) or tangents_hold(h, state, inertia, environment, work):
         return 0.0
     if follow_tanh(h, inertia, bias, environment, work):
         return 0.0
+    work[FLAGS, CURVED] = 1.0
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
     left = solve_curves(h, state, inertia, bias, environment, work)
     for j in range(JOINTS):
         work[RIGHT, j] = work[ACCELERATION, j]
     return left
+
+
+@kernel
+def _keep_command(h, inertia, environment, work):  # type: ignore[no-untyped-def]
+    """Write the controller's torque at the end of the step to COMMAND [N m]."""
+    if work[FLAGS, CURVED] != 0.0:
+        curved_command(h, environment, inertia, work)
+    else:
+        for j in range(JOINTS):
+            work[COMMAND, j] = final_torque(h, j, work)
 
 
 @kernel
@@ -120,8 +141,16 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
     """
     work, inertia = workspace(work), square(inertia)
     work[FLAGS, HOLD] = 0.0
+    lagging = lags(environment)
+    if lagging:
+        begin_lag(h, state, environment, work)
+    else:
+        without_lag(into, work)
     fill(h, state, inertia, bias, work)
     left = _solve(h, state, inertia, bias, environment, work)
+    if lagging:
+        _keep_command(h, inertia, environment, work)
+        end_lag(h, state, into, environment, work)
     for j in range(JOINTS):
         a, v = work[RIGHT, j], work[state + V, j]
         v_next = v + h * a

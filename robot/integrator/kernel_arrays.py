@@ -18,7 +18,7 @@ from numba.np.numpy_support import carray
 
 from slidetune.robot.arm.dynamics import ChainDynamics, Dynamics
 from slidetune.robot.arm.recursion import CHAIN_COLUMNS, SCRATCH_COLUMNS, chain_dynamics
-from slidetune.robot.environment.layout import SENSOR
+from slidetune.robot.environment.layout import ENVIRONMENT_SHAPE
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import Control, call_back, call_law, callback, compiled_law
 from slidetune.robot.kernels.compiler import inlined, kernel
@@ -37,7 +37,6 @@ TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(15,
 # Numbers as float64.
 STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(20, 24)
 SIZE = 24
-ENVIRONMENT_SHAPE = (SENSOR + 1, JOINTS)
 CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
 SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
 NO_COMMANDS = np.empty((0, JOINTS))
