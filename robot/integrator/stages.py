@@ -29,7 +29,14 @@ from slidetune.robot.integrator.implicit_step import (
     unsolved,
     within_bounds,
 )
-from slidetune.robot.integrator.kernel_arrays import ask, delay_line, loop_arrays, settings
+from slidetune.robot.integrator.kernel_arrays import (
+    HAS_WEIGHTS,
+    ask,
+    delay_line,
+    loop_arrays,
+    move_memory,
+    settings,
+)
 from slidetune.robot.kernels.compiler import inlined, kernel, part
 from slidetune.robot.kernels.workspace import (
     APPLIED,
@@ -95,12 +102,13 @@ def _begin(stage, t, table):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def write_record(row, environment, work, record):  # type: ignore[no-untyped-def]
+def write_record(row, weights, environment, work, record):  # type: ignore[no-untyped-def]
     """Record the current state and what the law said of it, in the order of ``RECORD``."""
     for j in range(JOINTS):
         squares = 0.0
-        for n in range(NODES):
-            squares += work[CURRENT + W + n, j] ** 2
+        if weights != 0:
+            for n in range(NODES):
+                squares += work[CURRENT + W + n, j] ** 2
         limit = environment[LIMIT, j]
         record[row, R_Q + j] = work[CURRENT + Q, j]
         record[row, R_V + j] = work[CURRENT + V, j]
@@ -123,12 +131,15 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         left = implicit_step(0.5 * h, state, state, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
+        bad = move_memory(0.5 * h, state, state, table)
+        if bad != 0:
+            return bad
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
         return accept(second, work)
     if row >= 0:
-        write_record(row, environment, work, record)
+        write_record(row, table[HAS_WEIGHTS], environment, work, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
         return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
@@ -137,6 +148,9 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
         return STUCK
+    bad = move_memory(h, state, state + FULL, table)
+    if bad != 0:
+        return bad
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
@@ -148,7 +162,8 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     left = implicit_step(0.5 * h, state, half, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
-    return within_bounds(half, work)
+    bad = move_memory(0.5 * h, state, half, table)
+    return bad if bad != 0 else within_bounds(half, work)
 
 
 @kernel
@@ -169,10 +184,10 @@ def observe(t, sample, table):  # type: ignore[no-untyped-def]
 
 @part
 def command(row, table):  # type: ignore[no-untyped-def]
-    """Record, limit the torque and let the network learn for one control period."""
+    """Record, limit the torque and let the law learn or remember for one control period."""
     _, period, _ = settings(table)
     _, _, environment, _, work, record = loop_arrays(table)
-    write_record(row, environment, work, record)
+    write_record(row, table[HAS_WEIGHTS], environment, work, record)
     for j in range(JOINTS):
         limit = environment[LIMIT, j]
         work[TAU, j] = min(max(work[TAU, j], -limit), limit)
@@ -182,7 +197,8 @@ def command(row, table):  # type: ignore[no-untyped-def]
         for n in range(NODES):
             weight = work[CURRENT + W + n, j]
             work[CURRENT + W + n, j] = weight + gain * work[HIDDEN + n, j] - leak * weight
-    return within_bounds(CURRENT, work)
+    bad = move_memory(period, CURRENT, CURRENT, table)
+    return bad if bad != 0 else within_bounds(CURRENT, work)
 
 
 @kernel

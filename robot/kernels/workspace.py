@@ -16,7 +16,7 @@ NODES = 10
 # --- the state: angle, velocity, weights -------------------------------------------------------
 Q = 0  # joint angle [rad]
 V = 1  # joint velocity [rad/s]
-W = 2  # network weights, NODES rows
+W = 2  # network weights, NODES rows; of a law without a network its memory, from the first on
 DELIVERED = W + NODES  # torque at the joint, behind a drive with a lag [N m]
 BETWEEN = DELIVERED + 1  # torque between two lags in series [N m]
 STATE_ROWS = W + NODES + 2
@@ -45,7 +45,7 @@ MEASURED_Q = QD + 15  # angle that the controller sees [rad]
 MEASURED_V = QD + 16  # velocity that the controller sees [rad/s]
 APPLIED = QD + 17  # torque that reaches the joints [N m]
 REACH = QD + 18  # reaching law, before SHAPE [N m, or rad/s^2 where SHAPE is an inertia]
-FLAGS = QD + 19  # columns SHAPED and HOLD below
+FLAGS = QD + 19  # columns SHAPED to PERIOD below
 HIDDEN = QD + 20  # hidden outputs, NODES rows
 SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
 CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see laws/terms/switching.py
@@ -53,15 +53,17 @@ CURVE_ROWS = 5
 TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
 TERMINAL_MU = TERMINAL_C + 1  # its mu
 TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
+DRIFT = TERMINAL_C + 3  # rate at which S changes apart from the motion [rad/s^2]
 
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
 CURVED = 4  # column of FLAGS: whether the curves were solved, not their tangents
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
+PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
 # --- one implicit step ---------------------------------------------------------------------------
-MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix
+MATRIX = DRIFT + 1  # 6 x 6 system matrix
 RIGHT = MATRIX + JOINTS  # its right-hand side
 DIAGONAL = RIGHT + 1  # its diagonal, before elimination
 ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypedDict
 
 import numpy as np
 
 from slidetune.robot.fields.quantity import Section
-from slidetune.robot.integrator.law_call import Control
+from slidetune.robot.integrator.law_call import Advance, Control
 
 Array = np.ndarray
 
@@ -19,6 +19,14 @@ class PackedGains(Protocol):
     def pack(self) -> Array:
         """Return all gains as numbers. Shape (n, 6)."""
         ...
+
+
+class LawKernels(TypedDict):
+    """Arguments of ``kernel_table`` that a law gives."""
+
+    control: Control
+    advance: Advance | None
+    network: bool
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,15 @@ class Law:
             the state whose weights count. A ``kernel``; a plain function is called back, slowly.
         model_based: whether it needs the nominal arm.
         network: whether it has a network.
+        memory: how many rows of the state, W and those after it, hold what it integrates where it
+            has no network. They are 0 at the beginning and where a lane changes to it.
+        advance: ``(h, state, into, gains, nominal_M, nominal_nle, work)`` moves them on, from the
+            state with the first row ``state`` to the one with ``into``, which already holds them
+            unchanged, and may be the same. In continuous mode it is called after each implicit
+            step of length h [s], and may read what that left in the workspace: S at its end is
+            S_FREE - S_FALL a, a in RIGHT. In sampled mode (``FLAGS``, ``PERIOD``) it is called once
+            a control period h, when TAU has been limited. Like ``control`` a ``kernel``; a plain
+            function is called back.
     """
 
     name: str
@@ -44,3 +61,10 @@ class Law:
     control: Control
     model_based: bool
     network: bool
+    memory: int = 0
+    advance: Advance | None = None
+
+    @property
+    def kernels(self) -> LawKernels:
+        """What a lane's table needs of the law."""
+        return {"control": self.control, "advance": self.advance, "network": self.network}

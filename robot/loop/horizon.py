@@ -44,7 +44,7 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
         packed.trajectory,
         lane.work,
         lane.record,
-        control=law.control,
+        **law.kernels,
         step=simulation.arm_step,
         period=simulation.row_period,
         commands=lane.commands,

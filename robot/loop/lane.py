@@ -18,8 +18,11 @@ from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
 from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CHANGE_V,
+    FLAGS,
     KNOWN,
     MEMORY_ROWS,
+    NODES,
+    PERIOD,
     PUSH,
     QD,
     R_Q,
@@ -33,8 +36,10 @@ from slidetune.robot.kernels.workspace import (
     WORK_ROWS,
     Q,
     V,
+    W,
 )
 from slidetune.robot.laws import LAWS
+from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
 from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
 from slidetune.robot.motion.trajectory import reference
@@ -75,7 +80,8 @@ class LaneState:
     """All that the next steps of a lane depend on besides the experiment.
 
     Attributes:
-        state: angles, velocities, weights and torques of the drives. Shape (14, 6).
+        state: angles, velocities, weights or memory of the law, torques of the drives.
+            Shape (14, 6).
         memory: what the step before left for the next one. Shape (3, 6).
         torque: torque of the step before in [N m]. Shape (6,).
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
@@ -84,6 +90,7 @@ class LaneState:
         buckets: how far the next steps may be cut; see ``BUCKETS``. Shape (3,).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
+        keeper: the law whose weights or memory the state holds.
     """
 
     state: Array
@@ -94,6 +101,7 @@ class LaneState:
     buckets: Array
     freeze: Freeze | None
     began: float
+    keeper: Law
 
 
 _WHY = tuple(field.name for field in fields(Freeze))
@@ -153,11 +161,21 @@ class Lane:
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
         self.freeze, self.commands = None, NO_COMMANDS
+        self._keeper = LAWS[packed.experiment.lanes[self.name].law]
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
-        """Take other gains, arm or trajectory from the next step on; the state goes on."""
+        """Take other gains, law, arm or trajectory from the next step on; the state goes on.
+
+        What another law left as its memory is not this one's. Weights go on under another law with
+        a network, and a law that needs neither leaves both as they are.
+        """
         law = LAWS[packed.experiment.lanes[self.name].law]
+        if law.network or law.memory:
+            if law.name != self._keeper.name and not (law.network and self._keeper.network):
+                self.work[W : W + NODES] = 0.0
+            self._keeper = law
+        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)
         if self._stepped:
@@ -175,6 +193,7 @@ class Lane:
         self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
         self.cutting[BUCKETS] = other.cutting[BUCKETS]
         self.record[:] = other.record
+        self._keeper = other._keeper
         self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
         self.adopt(packed)
 
@@ -189,6 +208,7 @@ class Lane:
             buckets=self.cutting[BUCKETS].copy(),
             freeze=self.freeze,
             began=self.began,
+            keeper=self._keeper,
         )
 
     def restore(self, past: LaneState, packed: Packed, number: int) -> None:
@@ -198,7 +218,7 @@ class Lane:
         self.record[(number - 1) % len(self.record)] = past.row
         self.commands = np.roll(past.commands, number, axis=0)
         self.cutting[BUCKETS] = past.buckets
-        self.freeze, self.began = past.freeze, past.began
+        self.freeze, self.began, self._keeper = past.freeze, past.began, past.keeper
         self.adopt(packed)
 
     def document(self) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.workspace import (
     FLAGS,
     GAIN,
+    PERIOD,
     QD,
     RECORD_COLUMNS,
     S_V,
@@ -64,6 +65,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     law = LAWS[packed.experiment.lanes[name].law]
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
+    work[FLAGS, PERIOD] = packed.experiment.simulation.hold
     nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
     nominal.refill()
     environment = packed.environment.copy()
@@ -72,7 +74,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     record = np.zeros((1, RECORD_COLUMNS))
     gains = packed.gains[name]
     arrays = (gains, environment, trajectory, work, record)
-    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, control=law.control)))
+    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, **law.kernels)))
     return work
 
 

@@ -40,6 +40,7 @@ from slidetune.robot.kernels.workspace import (
     HIDDEN,
     LEARNING,
     NODES,
+    PERIOD,
     QD,
     REACH,
     RECORD_COLUMNS,
@@ -232,13 +233,14 @@ class Around:
         nominal = packed.nominal or packed.model
         self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
+        work[FLAGS, PERIOD] = cut.period
         bits = int(packed.environment[COMMON, BITS])
         self._lags = 2 if bits & TWO_LAGS else 1 if bits & LAGS else 0
         self._arm_size = (2 + self._lags) * JOINTS
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
-            self._truth, self._nominal, *rest, record, control=self._law.control, period=cut.period
+            self._truth, self._nominal, *rest, record, **self._law.kernels, period=cut.period
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
