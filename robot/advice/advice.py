@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from slidetune.robot.advice.implicit_switching import implicit_switching
 from slidetune.robot.advice.sampled_arm import sampled_arm
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.advice.torque_need import initial_torque, required_torque, start
@@ -18,7 +19,7 @@ from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import JOINTS, bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 from slidetune.robot.laws.terms.network import NetworkGains
-from slidetune.robot.margins.margin import Margin, is_stable, loop_margin
+from slidetune.robot.margins.margin import Margin, is_stable, loop_margin, with_lane
 
 Array = np.ndarray
 
@@ -66,24 +67,28 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
         yield Advice("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
         return
     rate = sufficient_rate(packed, name)
-    layer = sufficient_layer(packed, name) if hasattr(lane, "epsilon") else None
+    implicit = getattr(lane, "switching", "") == "implicit"
+    smooth = with_lane(packed, name, switching="tanh") if implicit else packed
+    layer = sufficient_layer(smooth, name) if hasattr(lane, "epsilon") else None
     if layer is not None:
         wide = f"{_span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
         steep = lane.reaching != "power" and np.all(np.divide(lane.k2, lane.epsilon) > lane.k1)
-        whose = "k₂/ε dominates. Stable" if steep else "Stable"
-        text = f"{rule}{whose} with ε = {wide}{instead}."
-        path = field_path(("lanes", name, "epsilon"))
-        yield Advice("warning", path, text, {"lanes": {name: {"epsilon": layer}}})
+        whose = "k₂/ε dominates. Stable" if steep and not implicit else "Stable"
+        text = f"{rule}{whose} with {'tanh and ' if implicit else ''}ε = {wide}{instead}."
+        path = field_path(("lanes", name, "switching" if implicit else "epsilon"))
+        change = {"switching": "tanh", "epsilon": layer} if implicit else {"epsilon": layer}
+        yield Advice("warning", path, text, {"lanes": {name: change}})
         return
     ways = [] if rate is None else [f"a control rate of {rate:g} Hz"]
-    ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
+    if not implicit:
+        ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
     ways += ["a shorter delay"] if simulation.input_delay else []
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Advice(
         "warning",
         "simulation.control_rate",
-        f"{rule}Stable with {' or '.join(ways)}.",
+        f"{rule}Stable with {' or '.join(ways) or 'another switching function'}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
 
@@ -155,6 +160,13 @@ def _sign(packed: Packed, name: str) -> Iterator[Advice]:
         "is smooth at this rate.",
         {"lanes": {name: change}},
     )
+
+
+def _implicit(packed: Packed, name: str) -> Iterator[Advice]:
+    offer = implicit_switching(packed, name)
+    if offer is not None:
+        path = field_path(("lanes", name, "switching"))
+        yield Advice("info", path, offer.message, offer.patch, offer.title)
 
 
 def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
@@ -372,6 +384,7 @@ def advice_on(packed: Packed, name: str) -> list[Advice]:
         _sampling,
         _sampled_arm,
         _sign,
+        _implicit,
         _convergence,
         _motion,
         _start,

@@ -17,8 +17,10 @@ from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
 from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CHANGE_V,
+    FLAGS,
     KNOWN,
     MEMORY_ROWS,
+    PERIOD,
     PUSH,
     QD,
     R_Q,
@@ -158,6 +160,7 @@ class Lane:
         """Take other gains, arm or trajectory from the next step on; the state goes on."""
         law = LAWS[packed.experiment.lanes[self.name].law]
         self.commands = torques_on_the_way(packed, self.work, self.commands)
+        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -23,10 +24,13 @@ from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.workspace import (
     FLAGS,
     GAIN,
+    PERIOD,
     QD,
+    REACH,
     RECORD_COLUMNS,
     S_V,
     SHAPE,
+    SHAPED,
     WORK_ROWS,
     Q,
     V,
@@ -49,6 +53,8 @@ _FACTORS = 2.0 ** np.arange(1, 31)
 """By how much reaching gains are multiplied or divided in search of the limit (*ours*)."""
 _MUCH = 10
 """How many of these are tried where weaker gains do not help (*ours*): a thousandfold."""
+_DIFFERENCE = 1e-9
+"""Velocity in [rad/s] by which the slope of the implicit sign is taken (*ours*)."""
 _WEAKER = np.geomspace(1.0, 1e-4, 13)
 """Shares of the layer's slope that an oscillation of growing amplitude feels (*ours*)."""
 
@@ -66,6 +72,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     law = LAWS[packed.experiment.lanes[name].law]
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
+    work[FLAGS, PERIOD] = packed.experiment.simulation.hold
     nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
     nominal.refill()
     environment = packed.environment.copy()
@@ -97,11 +104,23 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
     work = evaluate(packed, name, q, np.zeros(JOINTS), hold)
     damping = np.diag(work[GAIN] * work[S_V])
-    if work[FLAGS, 0]:
+    if work[FLAGS, SHAPED]:
         damping = work[SHAPE : SHAPE + JOINTS] @ damping
+    elif _switches(packed, name, "implicit"):
+        damping = _coupled_damping(packed, name, q, hold)
     M = pin.crba(packed.model, packed.model.createData(), q)
     period = 1.0 / packed.experiment.simulation.control_rate
     return float(np.abs(np.linalg.eigvals(period * damping @ np.linalg.inv(M))).max())
+
+
+def _coupled_damping(packed: Packed, name: str, q: Array, hold: Array) -> Array:
+    """Return the damping of a reaching law that couples the joints in [N m s/rad], at rest."""
+    ends = [
+        evaluate(packed, name, q, velocity, hold)[REACH].copy()
+        for velocity in _DIFFERENCE * np.vstack([np.eye(JOINTS), -np.eye(JOINTS)])
+    ]
+    ahead, behind = np.reshape(ends, (2, JOINTS, JOINTS))
+    return np.asarray((behind - ahead).T / (2.0 * _DIFFERENCE))
 
 
 def margin_limit(simulation: Simulation) -> float:
@@ -182,6 +201,8 @@ def _outside(packed: Packed, name: str) -> Array | None:
     if not hasattr(lane, "epsilon"):
         return None
     flat = {"switching": "tanh", "epsilon": np.inf}
+    # There the proportional part is implicit, too.
+    flat = {"k2": 0.0} if _switches(packed, name, "implicit") else flat
     gains: Array = lane.model_copy(update=flat).pack()
     return gains
 
@@ -255,11 +276,8 @@ def _margin(
 
 def _is_held(packed: Packed, name: str) -> bool:
     """Tell whether some slope of the switching term, which sign passes through, would hold."""
-    lane = packed.experiment.lanes[name]
-    wide = lane.model_copy(update={"switching": "tanh", "epsilon": 1.0})
-    smooth = packed.experiment.model_copy(update={"lanes": {**packed.experiment.lanes, name: wide}})
-    other = replace(packed, experiment=smooth, gains={**packed.gains, name: wide.pack()})
-    _, found = worst_instant(other, name)
+    wide = with_lane(packed, name, switching="tanh", epsilon=1.0)
+    _, found = worst_instant(wide, name)
     shares = np.geomspace(1e-4, 1e4, 25)
     return any(found.stable(switching=share) for share in shares)
 
@@ -320,7 +338,18 @@ def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
     simulation = packed.experiment.simulation.model_copy(update={"input_delay": 0.0})
     prompt = packed.experiment.model_copy(update={"simulation": simulation})
     fast = at_rate(replace(packed, experiment=prompt), _UNSAMPLED)
+    if _switches(packed, name, "implicit"):  # which without a period is sign
+        fast = with_lane(fast, name, switching="sign")
     return (period_map(fast, name, time).radius() - 1.0) * _UNSAMPLED < _SLOW
+
+
+def with_lane(packed: Packed, name: str, **gains: Any) -> Packed:
+    """Return the experiment with other gains of one lane."""
+    lane = packed.experiment.lanes[name].model_copy(update=gains)
+    experiment = packed.experiment.model_copy(
+        update={"lanes": {**packed.experiment.lanes, name: lane}}
+    )
+    return replace(packed, experiment=experiment, gains={**packed.gains, name: lane.pack()})
 
 
 def at_rate(packed: Packed, rate: float) -> Packed:

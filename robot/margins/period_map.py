@@ -29,6 +29,7 @@ from slidetune.robot.kernels.workspace import (
     HIDDEN,
     LEARNING,
     NODES,
+    PERIOD,
     QD,
     REACH,
     RECORD_COLUMNS,
@@ -196,6 +197,7 @@ class Around:
         nominal = packed.nominal or packed.model
         self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
+        work[FLAGS, PERIOD] = cut.period
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
@@ -269,7 +271,7 @@ class Around:
         learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
         start = self.v - error
         self._ask(self.q, start)
-        layer = np.broadcast_to(np.asarray(getattr(self._lane, "epsilon", 1.0)), JOINTS)
+        layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
         by = np.concatenate(
             [
@@ -300,6 +302,18 @@ class Around:
             learning[2 * JOINTS :, column] = weights
         self._weights = held
         return learning, rest, reach
+
+    def _layer(self) -> Array:
+        """Return within which S of a joint alone leaves the law linear in [rad/s]. Shape (6,)."""
+        lane, period = self._lane, self.timing.period
+        if getattr(lane, "switching", "") != "implicit":
+            return np.broadcast_to(np.asarray(getattr(lane, "epsilon", 1.0)), JOINTS)
+        k2 = np.broadcast_to(np.asarray(lane.k2), JOINTS)
+        k2 = np.where(k2 > 0.0, k2, np.inf)
+        if getattr(lane, "inertia_shaped", False):
+            return np.asarray(period * k2)
+        per_torque = self.work[S_V] / np.maximum(np.abs(self._nominal.inertia), 1e-12)
+        return np.asarray(period * (k2[:, None] * per_torque).min(axis=0))
 
     def _answer(self, held: Array) -> tuple[Array, Array, Array]:
         """Return torque, reaching torque, and weights along the hidden outputs."""
