@@ -56,7 +56,7 @@ SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
-PERIOD = 4  # column of FLAGS: control period [s], 0 in continuous mode
+PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
 # --- one implicit step ---------------------------------------------------------------------------
 MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix
