@@ -45,7 +45,7 @@ MEASURED_Q = QD + 15  # angle that the controller sees [rad]
 MEASURED_V = QD + 16  # velocity that the controller sees [rad/s]
 APPLIED = QD + 17  # torque that reaches the joints [N m]
 REACH = QD + 18  # reaching law, before SHAPE [N m, or rad/s^2 where SHAPE is an inertia]
-FLAGS = QD + 19  # columns SHAPED and HOLD below
+FLAGS = QD + 19  # columns SHAPED to PERIOD below
 HIDDEN = QD + 20  # hidden outputs, NODES rows
 SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
 CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see laws/terms/switching.py
@@ -59,6 +59,7 @@ HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S doe
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
 CURVED = 4  # column of FLAGS: whether the curves were solved, not their tangents
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
+PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
 # --- one implicit step ---------------------------------------------------------------------------
 MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix

@@ -18,8 +18,10 @@ from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
 from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CHANGE_V,
+    FLAGS,
     KNOWN,
     MEMORY_ROWS,
+    PERIOD,
     PUSH,
     QD,
     R_Q,
@@ -36,7 +38,8 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
-from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
+from slidetune.robot.margins.margin import Margin, margin_at
+from slidetune.robot.margins.unsampled import is_stable_unsampled
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -160,6 +163,7 @@ class Lane:
         law = LAWS[packed.experiment.lanes[self.name].law]
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)
+        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)
