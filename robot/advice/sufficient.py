@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS, bounds
-from slidetune.robot.margins.margin import at_rate, is_stable, period_map, worst_instant
+from slidetune.robot.margins.margin import at_rate, is_stable, period_map, with_lane, worst_instant
 
 
 def _sufficient(
@@ -77,10 +76,7 @@ def with_layer(packed: Packed, name: str, factor: float) -> Packed:
     """
     lane = packed.experiment.lanes[name]
     width = tuple(np.broadcast_to(np.multiply(lane.epsilon, factor), JOINTS).tolist())
-    wide = lane.model_copy(update={"epsilon": width})
-    lanes = {**packed.experiment.lanes, name: wide}
-    experiment = packed.experiment.model_copy(update={"lanes": lanes})
-    return replace(packed, experiment=experiment, gains={**packed.gains, name: wide.pack()})
+    return with_lane(packed, name, epsilon=width)
 
 
 def sufficient_layer(packed: Packed, name: str) -> float | list[float] | None:

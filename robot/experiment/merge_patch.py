@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic.fields import FieldInfo
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError, unknown_lane
 from slidetune.robot.fields.plain_values import UnfitError, plain_values
@@ -46,7 +48,16 @@ def _fitting(before: Any, after: Any, patch: Any, tag: str, known: Mapping[str, 
     if variant == before.get(tag) or not isinstance(variant, str) or variant not in known:
         return after
     fields = known[variant].model_fields
-    return {key: value for key, value in after.items() if key in fields or key in patch}
+    return {
+        key: value
+        for key, value in after.items()
+        if key in patch or (key in fields and _is_offered(fields[key], value))
+    }
+
+
+def _is_offered(field: FieldInfo, value: Any) -> bool:
+    """Tell whether a choice offers that value; other fields say themselves what they refuse."""
+    return get_origin(field.annotation) is not Literal or value in get_args(field.annotation)
 
 
 def _renamed_in_place(before: Document, after: Document) -> Document:

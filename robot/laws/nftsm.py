@@ -10,6 +10,7 @@ from slidetune.robot.fields.quantity import JOINTS, field
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     BENDS,
+    CURVE,
     CURVE_ROWS,
     FLAGS,
     REACH,
@@ -24,9 +25,16 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
+from slidetune.robot.laws.terms.implicit_switching import implicit_reach, implicit_reach_shaped
 from slidetune.robot.laws.terms.network import no_network
 from slidetune.robot.laws.terms.surface import MU, NFTSM_ROWS, RATIO, C, NftsmSurface, nftsm_surface
-from slidetune.robot.laws.terms.switching import ReachingGains, reach
+from slidetune.robot.laws.terms.switching import (
+    CODES,
+    IMPLICIT,
+    SWITCHING_CODE,
+    ReachingGains,
+    reach,
+)
 
 Array = np.ndarray
 
@@ -71,6 +79,11 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shaped = gains[INERTIA_SHAPED][0, 0] != 0.0
+    if work[CURVE + CODES, SWITCHING_CODE] == IMPLICIT:
+        if shaped:
+            implicit_reach_shaped(work)
+        else:
+            implicit_reach(nominal_M, work)
     work[FLAGS, SHAPED] = work[FLAGS, BENDS] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:

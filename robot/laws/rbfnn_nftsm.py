@@ -20,14 +20,14 @@ from slidetune.robot.kernels.workspace import (
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import NETWORK_ROWS, NetworkGains, network
 from slidetune.robot.laws.terms.surface import NFTSM_ROWS, NftsmSurface, nftsm_surface
-from slidetune.robot.laws.terms.switching import ReachingGains, reach
+from slidetune.robot.laws.terms.switching import ModelFreeReachingGains, reach
 
 Array = np.ndarray
 
 SURFACE, REACHING, NETWORK_GAINS = stacked(NFTSM_ROWS, CURVE_ROWS, NETWORK_ROWS)
 
 
-class RbfnnNftsm(NftsmSurface, ReachingGains, NetworkGains):
+class RbfnnNftsm(NftsmSurface, ModelFreeReachingGains, NetworkGains):
     """Gains of RBFNN-NFTSM."""
 
     law: Literal["rbfnn_nftsm"] = "rbfnn_nftsm"

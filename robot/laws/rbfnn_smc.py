@@ -20,14 +20,14 @@ from slidetune.robot.kernels.workspace import (
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import NETWORK_ROWS, NetworkGains, network
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
-from slidetune.robot.laws.terms.switching import ReachingGains, reach
+from slidetune.robot.laws.terms.switching import ModelFreeReachingGains, reach
 
 Array = np.ndarray
 
 SURFACE, REACHING, NETWORK_GAINS = stacked(LINEAR_ROWS, CURVE_ROWS, NETWORK_ROWS)
 
 
-class RbfnnSmc(LinearSurface, ReachingGains, NetworkGains):
+class RbfnnSmc(LinearSurface, ModelFreeReachingGains, NetworkGains):
     """Gains of RBFNN-SMC."""
 
     law: Literal["rbfnn_smc"] = "rbfnn_smc"

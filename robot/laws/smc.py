@@ -8,12 +8,19 @@ import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import CURVE_ROWS, FLAGS, REACH, SHAPED, TAU, stacked
+from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, FLAGS, REACH, SHAPED, TAU, stacked
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
+from slidetune.robot.laws.terms.implicit_switching import implicit_reach
 from slidetune.robot.laws.terms.network import no_network
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
-from slidetune.robot.laws.terms.switching import ReachingGains, reach
+from slidetune.robot.laws.terms.switching import (
+    CODES,
+    IMPLICIT,
+    SWITCHING_CODE,
+    ReachingGains,
+    reach,
+)
 
 Array = np.ndarray
 
@@ -46,6 +53,8 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
     reach(gains[REACHING], work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
+    if work[CURVE + CODES, SWITCHING_CODE] == IMPLICIT:
+        implicit_reach(nominal_M, work)
     work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] += work[REACH, j]

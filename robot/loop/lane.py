@@ -41,7 +41,8 @@ from slidetune.robot.kernels.workspace import (
 from slidetune.robot.laws import LAWS
 from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
-from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
+from slidetune.robot.margins.margin import Margin, margin_at
+from slidetune.robot.margins.unsampled import is_stable_unsampled
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -175,9 +176,9 @@ class Lane:
             if law.name != self._keeper.name and not (law.network and self._keeper.network):
                 self.work[W : W + NODES] = 0.0
             self._keeper = law
-        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)
+        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)

@@ -44,7 +44,8 @@ from slidetune.robot.loop.horizon import bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Freeze, Lane
 from slidetune.robot.loop.metrics import Metrics, measure_lane
 from slidetune.robot.loop.record_memory import record_of
-from slidetune.robot.margins.margin import fastest_growth
+from slidetune.robot.margins.layer import layer_of
+from slidetune.robot.margins.unsampled import fastest_growth
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -246,7 +247,6 @@ def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy)
     e, de = columns.pop("q_d"), columns.pop("v_d")
     e -= columns["q"]
     de -= columns["v"]
-    layer = getattr(packed.experiment.lanes[lane.name], "layer", 0.0)
     return LaneRun(
         **columns,
         final_weights=lane.work[W : W + NODES].copy(),
@@ -254,7 +254,7 @@ def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy)
         de=de,
         flange=flange_positions(columns["q"]),
         flange_desired=motion.flange,
-        layer=np.broadcast_to(np.asarray(layer, dtype=float), JOINTS),
+        layer=layer_of(packed, lane.name),
         freeze=lane.freeze,
         time=motion.time,
         accuracy=good,

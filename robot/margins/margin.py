@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.layout import BITS, COMMON, LAG, LAGS, LIMIT, SENSOR, TWO_LAGS
+from slidetune.robot.environment.layout import LIMIT, SENSOR
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
@@ -25,15 +26,17 @@ from slidetune.robot.kernels.workspace import (
     GAIN,
     PERIOD,
     QD,
+    REACH,
     RECORD_COLUMNS,
     S_V,
     SHAPE,
+    SHAPED,
     WORK_ROWS,
     Q,
     V,
 )
 from slidetune.robot.laws import LAWS
-from slidetune.robot.margins.period_map import MARGINAL, UNSAMPLED, Around, PeriodMap, calm
+from slidetune.robot.margins.period_map import MARGINAL, Around, PeriodMap, calm
 from slidetune.robot.motion.trajectory import QUINTIC, HoldTrajectory, reference
 
 Array = np.ndarray
@@ -42,12 +45,12 @@ MARGIN_LIMIT = 2.0
 """An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
 _POSES = 12
 """Instants along the desired motion at which the loop is looked at (*ours*)."""
-_SPARSE = 4
-"""Of so many instants one is looked at where it has to be quick (*ours*)."""
 _FACTORS = 2.0 ** np.arange(1, 31)
 """By how much reaching gains are multiplied or divided in search of the limit (*ours*)."""
 _MUCH = 10
 """How many of these are tried where weaker gains do not help (*ours*): a thousandfold."""
+_DIFFERENCE = 1e-9
+"""Velocity in [rad/s] by which the slope of the implicit sign is taken (*ours*)."""
 _WEAKER = np.geomspace(1.0, 1e-4, 13)
 """Shares of the layer's slope that an oscillation of growing amplitude feels (*ours*)."""
 
@@ -97,11 +100,23 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
     work = evaluate(packed, name, q, np.zeros(JOINTS), hold)
     damping = np.diag(work[GAIN] * work[S_V])
-    if work[FLAGS, 0]:
+    if work[FLAGS, SHAPED]:
         damping = work[SHAPE : SHAPE + JOINTS] @ damping
+    elif switches(packed, name, "implicit"):
+        damping = _coupled_damping(packed, name, q, hold)
     M = pin.crba(packed.model, packed.model.createData(), q)
     period = 1.0 / packed.experiment.simulation.control_rate
     return float(np.abs(np.linalg.eigvals(period * damping @ np.linalg.inv(M))).max())
+
+
+def _coupled_damping(packed: Packed, name: str, q: Array, hold: Array) -> Array:
+    """Return the damping of a reaching law that couples the joints in [N m s/rad], at rest."""
+    ends = [
+        evaluate(packed, name, q, velocity, hold)[REACH].copy()
+        for velocity in _DIFFERENCE * np.vstack([np.eye(JOINTS), -np.eye(JOINTS)])
+    ]
+    ahead, behind = np.reshape(ends, (2, JOINTS, JOINTS))
+    return np.asarray((behind - ahead).T / (2.0 * _DIFFERENCE))
 
 
 def margin_limit(simulation: Simulation) -> float:
@@ -167,13 +182,14 @@ class Margin:
         }
 
 
-def _switches(packed: Packed, name: str, switching: str) -> bool:
+def switches(packed: Packed, name: str, switching: str) -> bool:
+    """Tell whether a lane has that switching function."""
     return getattr(packed.experiment.lanes[name], "switching", "") == switching
 
 
 def _has_gamma(packed: Packed, name: str) -> bool:
     lane = packed.experiment.lanes[name]
-    return not _switches(packed, name, "sign") and getattr(lane, "reaching", "") != "power"
+    return not switches(packed, name, "sign") and getattr(lane, "reaching", "") != "power"
 
 
 def _outside(packed: Packed, name: str) -> Array | None:
@@ -182,11 +198,13 @@ def _outside(packed: Packed, name: str) -> Array | None:
     if not hasattr(lane, "epsilon"):
         return None
     flat = {"switching": "tanh", "epsilon": np.inf}
+    # There the proportional part is implicit, too.
+    flat = {"k2": 0.0} if switches(packed, name, "implicit") else flat
     gains: Array = lane.model_copy(update=flat).pack()
     return gains
 
 
-def _instants(packed: Packed) -> Array:
+def instants(packed: Packed) -> Array:
     """Return the instants in [s] at which the loop is looked at: one where nothing moves."""
     held = isinstance(packed.experiment.trajectory, HoldTrajectory)
     return np.linspace(0.0, packed.experiment.simulation.horizon, 1 if held else _POSES)
@@ -201,14 +219,14 @@ def period_map(packed: Packed, name: str, time: float) -> PeriodMap:
         time: when, in [s].
     """
     outside, quiet = _outside(packed, name), calm(packed)
-    if _switches(packed, name, "sign") and outside is not None:
+    if switches(packed, name, "sign") and outside is not None:
         quiet = replace(quiet, gains={**quiet.gains, name: outside})
     return Around(quiet, name, time).map(outside)
 
 
 def worst_instant(packed: Packed, name: str) -> tuple[float, PeriodMap]:
     """Return when along the desired motion the loop is closest to instability, and its map."""
-    maps = [(time, period_map(packed, name, time)) for time in _instants(packed).tolist()]
+    maps = [(time, period_map(packed, name, time)) for time in instants(packed).tolist()]
     return max(maps, key=lambda found: found[1].radius())
 
 
@@ -219,7 +237,7 @@ def loop_margin(packed: Packed, name: str) -> Margin:
         packed: the experiment as numbers.
         name: the lane.
     """
-    maps = [period_map(packed, name, time) for time in _instants(packed).tolist()]
+    maps = [period_map(packed, name, time) for time in instants(packed).tolist()]
     # The worst first: where a gain does not do, it is mostly there that it does not.
     maps.sort(key=lambda found: found.radius(), reverse=True)
     if not _has_gamma(packed, name):
@@ -247,7 +265,7 @@ def _margin(
 ) -> Margin:
     radius = found.radius()
     bounded = any(found.stable(switching=share) for share in (*_WEAKER, 0.0))
-    if _switches(packed, name, "sign"):
+    if switches(packed, name, "sign"):
         # It always oscillates. Whether that has an end is up to the rest and to a torque of k2.
         return Margin(None, bounded or _is_held(packed, name), None, None)
     return Margin(radius, bounded, gamma, limit)
@@ -255,11 +273,8 @@ def _margin(
 
 def _is_held(packed: Packed, name: str) -> bool:
     """Tell whether some slope of the switching term, which sign passes through, would hold."""
-    lane = packed.experiment.lanes[name]
-    wide = lane.model_copy(update={"switching": "tanh", "epsilon": 1.0})
-    smooth = packed.experiment.model_copy(update={"lanes": {**packed.experiment.lanes, name: wide}})
-    other = replace(packed, experiment=smooth, gains={**packed.gains, name: wide.pack()})
-    _, found = worst_instant(other, name)
+    wide = with_lane(packed, name, switching="tanh", epsilon=1.0)
+    _, found = worst_instant(wide, name)
     shares = np.geomspace(1e-4, 1e4, 25)
     return any(found.stable(switching=share) for share in shares)
 
@@ -301,55 +316,19 @@ def _between(holds: Callable[[float], bool], good: float, bad: float) -> float:
 
 def is_stable(packed: Packed, name: str) -> bool:
     """Tell whether a lane's sampled loop lets small deviations die out, all along its motion."""
-    times = _instants(packed).tolist()
-    return not _switches(packed, name, "sign") and all(
+    times = instants(packed).tolist()
+    return not switches(packed, name, "sign") and all(
         period_map(packed, name, time).stable() for time in times
     )
 
 
-def without_lag(packed: Packed) -> Packed:
-    """Return the experiment with drives that have no lag."""
-    environment = packed.environment.copy()
-    environment[LAG] = 0.0
-    environment[COMMON, BITS] = int(environment[COMMON, BITS]) & ~(LAGS | TWO_LAGS)
-    return replace(packed, environment=environment)
-
-
-def is_stable_unsampled(packed: Packed, name: str, time: float, lag: bool = True) -> bool:
-    """Tell whether a loop would be stable at a rate past all layers and without a delay.
-
-    Then it is the sampling that makes it diverge; else no control rate is to blame.
-
-    Args:
-        packed: the experiment as numbers.
-        name: the lane.
-        time: when along the desired motion, in [s].
-        lag: whether its drives keep their lag.
-    """
-    if not lag:
-        packed = without_lag(packed)
-    return period_map(as_if_unsampled(packed), name, time).stable()
-
-
-def as_if_unsampled(packed: Packed) -> Packed:
-    """Return an experiment as a sampled one whose period and delay no longer count."""
-    patch = {"mode": "sampled", "control_rate": UNSAMPLED, "input_delay": 0.0}
-    simulation = packed.experiment.simulation.model_copy(update=patch)
-    experiment = packed.experiment.model_copy(update={"simulation": simulation})
-    return replace(packed, experiment=experiment)
-
-
-def fastest_growth(packed: Packed, name: str) -> complex:
-    """Return the mode in [1/s] of a loop in continuous time that grows fastest, or dies out last.
-
-    Args:
-        packed: the experiment as numbers.
-        name: the lane.
-    """
-    continuous = as_if_unsampled(packed)
-    instants = _instants(packed)[::_SPARSE].tolist()
-    modes = [period_map(continuous, name, time).mode() for time in instants]
-    return max(modes, key=lambda mode: mode.real)
+def with_lane(packed: Packed, name: str, **gains: Any) -> Packed:
+    """Return the experiment with other gains of one lane."""
+    lane = packed.experiment.lanes[name].model_copy(update=gains)
+    experiment = packed.experiment.model_copy(
+        update={"lanes": {**packed.experiment.lanes, name: lane}}
+    )
+    return replace(packed, experiment=experiment, gains={**packed.gains, name: lane.pack()})
 
 
 def at_rate(packed: Packed, rate: float) -> Packed:
@@ -362,7 +341,7 @@ def at_rate(packed: Packed, rate: float) -> Packed:
 
 def _poses(packed: Packed) -> list[Array]:
     """Return joint angles along the desired trajectory in [rad]. Shapes (6,)."""
-    return [_pose(packed, time) for time in _instants(packed).tolist()]
+    return [_pose(packed, time) for time in instants(packed).tolist()]
 
 
 def worst_margin(packed: Packed, name: str) -> float:

@@ -25,7 +25,6 @@ from slidetune.robot.environment.layout import (
     TWO_LAGS,
 )
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import checked
@@ -59,6 +58,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.drives import Drives
+from slidetune.robot.margins.timing import Timing, timing
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -75,44 +75,6 @@ INSTANT = 2e-5
 which is ``MARGINAL`` in that time."""
 WITHIN = 1e-3
 """Share of the boundary layer by which the law's map is taken (*ours*)."""
-_LONGEST = 8
-"""Whole periods of delay that are about as many as it takes (*ours*)."""
-
-
-@dataclass(frozen=True)
-class Timing:
-    """How a control period is cut, in steps of the arm.
-
-    Attributes:
-        step: step of the arm in [s].
-        steps: steps of the arm in a period.
-        delay: steps of the arm, or parts, from a measurement to its torque.
-        periods: control periods that this one stands for.
-    """
-
-    step: float
-    steps: int
-    delay: float
-    periods: float = 1.0
-
-    @property
-    def period(self) -> float:
-        """Length of the period in [s]."""
-        return self.step * self.steps
-
-
-def timing(simulation: Simulation) -> Timing:
-    """Return the timing of a sampled loop; a long delay is cut into some eight longer periods.
-
-    A delay of n periods takes 6n states. Where it is long, the loop loses its stability slowly
-    against a period, so that longer periods do: a hold delays by half of its length, which the
-    delay then lacks, and what is left is of second order (0.3 % of a gain).
-    """
-    step = 1.0 / (simulation.control_rate * simulation.plant_substeps)
-    short, (whole, part) = simulation.plant_substeps, simulation.delay
-    half = max(0, round(0.5 * short * (whole / _LONGEST - 1.0)))
-    long = short + 2 * half
-    return Timing(step, long, whole * short + part - half, long / short)
 
 
 @dataclass(frozen=True)
@@ -233,10 +195,10 @@ class Around:
         nominal = packed.nominal or packed.model
         self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
-        work[FLAGS, PERIOD] = cut.period
         bits = int(packed.environment[COMMON, BITS])
         self._lags = 2 if bits & TWO_LAGS else 1 if bits & LAGS else 0
         self._arm_size = (2 + self._lags) * JOINTS
+        work[FLAGS, PERIOD] = cut.period
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
@@ -311,7 +273,7 @@ class Around:
         learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
         start = self.v - error
         self._ask(self.q, start)
-        layer = np.broadcast_to(np.asarray(getattr(self._lane, "epsilon", 1.0)), JOINTS)
+        layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
         by = np.concatenate(
             [
@@ -342,6 +304,18 @@ class Around:
             learning[first:, column] = weights
         self._weights = held
         return learning, rest, reach
+
+    def _layer(self) -> Array:
+        """Return within which S of a joint alone leaves the law linear in [rad/s]. Shape (6,)."""
+        lane, period = self._lane, self.timing.period
+        if getattr(lane, "switching", "") != "implicit":
+            return np.broadcast_to(np.asarray(getattr(lane, "epsilon", 1.0)), JOINTS)
+        k2 = np.broadcast_to(np.asarray(lane.k2), JOINTS)
+        k2 = np.where(k2 > 0.0, k2, np.inf)
+        if getattr(lane, "inertia_shaped", False):
+            return np.asarray(period * k2)
+        per_torque = self.work[S_V] / np.maximum(np.abs(self._nominal.inertia), 1e-12)
+        return np.asarray(period * (k2[:, None] * per_torque).min(axis=0))
 
     def _answer(self, held: Array) -> tuple[Array, Array, Array]:
         """Return torque, reaching torque, and weights along the hidden outputs."""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.laws.terms.switching import SWITCHINGS
 from slidetune.robot.study.knob import COUNT, knob, knobs
 
 EPSILONS = np.geomspace(1e-3, 1.0, 13)
@@ -83,7 +82,7 @@ def sensitivity(experiment: Experiment, lane: str, change: float = 0.1) -> list[
 
 
 def switching_comparison(experiment: Experiment, lane: str) -> list[Trial]:
-    """Return trials of tanh over the boundary layer, then of every switching function as it is.
+    """Return trials of tanh over the boundary layer, then of each switching function of its law.
 
     Raises:
         InvalidExperimentError: if there is no such lane, or it doesn't switch.
@@ -103,6 +102,7 @@ def switching_comparison(experiment: Experiment, lane: str) -> list[Trial]:
     ]
     functions = [
         Trial("switching", name, patch(switching=name), present=name == present.switching)
-        for name in SWITCHINGS
+        for name in get_args(type(present).model_fields["switching"].annotation)
+        if (name, present.reaching) != ("implicit", "power")
     ]
     return curve + functions

@@ -31,6 +31,8 @@ _SECTIONS = (
 )
 
 
+_SAMPLED_ALONE = ("implicit",)
+"""Options that in continuous mode are another one."""
 _WORLD = (
     (Disturbance, "disturbance.sine", ("amplitude", "frequency", "phase")),
     (Disturbance, "disturbance.pulse", ("amplitude", "duration")),
@@ -88,7 +90,7 @@ def widely(seed: int) -> Document:
     law = list(LAWS)[seed % len(LAWS)]
     dice = random.Random(seed)
     for attempt in range(1000):
-        drawn = Draw(1000 * seed + attempt).document()
+        drawn = Draw(1000 * seed + attempt, without=_SAMPLED_ALONE).document()
         lanes = [lane for lane in drawn["lanes"].values() if lane["law"] == law]
         if not lanes:
             continue

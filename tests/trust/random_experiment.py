@@ -28,9 +28,15 @@ SHORTEST = 0.1
 class Draw:
     """Draws documents from the schema of ``Experiment``."""
 
-    def __init__(self, seed: int) -> None:
-        """Draw always the same for the same seed."""
+    def __init__(self, seed: int, without: tuple[str, ...] = ()) -> None:
+        """Draw always the same for the same seed.
+
+        Args:
+            seed: what the draws follow.
+            without: options that are not to be drawn.
+        """
         self._dice = random.Random(seed)
+        self._without = without
         self._schema = Experiment.model_json_schema()
 
     def document(self) -> Document:
@@ -48,6 +54,8 @@ class Draw:
     def _avoid_refusal(self, drawn: Document) -> None:
         """Change the combinations that are known to be refused."""
         for lane in drawn["lanes"].values():
+            if lane.get("reaching") == "power" and lane["switching"] == "implicit":
+                lane["switching"] = "sign"
             if "p" in lane:
                 odd = [2 * self._dice.randint(1, 24) + 1 for _ in range(6)]
                 lane["k"] = odd
@@ -73,7 +81,7 @@ class Draw:
         if "const" in schema:
             return schema["const"]
         if "enum" in schema:
-            return self._dice.choice(schema["enum"])
+            return self._dice.choice([one for one in schema["enum"] if one not in self._without])
         if "oneOf" in schema:
             return self._value(self._dice.choice(schema["oneOf"]))
         if "anyOf" in schema:

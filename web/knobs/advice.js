@@ -78,8 +78,10 @@ class AdviceList {
   #follow(pieces) {
     const left = [...pieces];
     for (const entry of this.#lines.values()) {
-      const {advice: {path, level}, line} = entry;
-      const index = left.findIndex((one) => one.path === path && one.level === level);
+      const {advice: {path, level, title}, line} = entry;
+      const index = left.findIndex((one) => (
+        one.path === path && one.level === level && one.title === title
+      ));
       // One that stands in two places is true in both.
       const [advice] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
       line.style.visibility = advice ? '' : 'hidden';
@@ -106,7 +108,7 @@ class AdviceList {
    */
   #placesOf({path, title}) {
     const control = this.#column.querySelector(`.control[data-path="${CSS.escape(path)}"]`);
-    const lanes = title ? this.#column.querySelector('.lanes') : null;
+    const lanes = ofAllLanes(path, title) ? this.#column.querySelector('.lanes') : null;
     return [control, lanes].flatMap((place) => place ?? []);
   }
 
@@ -119,7 +121,7 @@ class AdviceList {
       others && element('b', {}, `${lanes.join(', ')}: `), message);
     return element('div', {class: `advice is-${level}`},
       icon(level === 'warning' ? 'warning' : 'info'), text, patch && proposalButton(
-        this.#desk, patch, title ? {title, done: () => thaw(api)} : {},
+        this.#desk, patch, ofAllLanes(path, title) ? {title, done: () => thaw(api)} : {title},
       ));
   }
 
@@ -178,6 +180,13 @@ function allAdvice(api) {
     Number(b.level === 'warning') - Number(a.level === 'warning')
   ));
 }
+
+/**
+ * @param {string} path
+ * @param {string} title
+ * @returns {boolean} whether it is a way out of all the lanes' trouble
+ */
+function ofAllLanes(path, title) { return title !== '' && !path.startsWith('lanes.'); }
 
 /**
  * Let the lanes that stand still begin anew, all together where it is all of them.

@@ -6,7 +6,7 @@ import {LensFigure} from './figure.js';
 import {SmoothingCard} from './smoothing.js';
 import {spectrumFigure} from './spectrum.js';
 import {SwitchingCard} from './switching.js';
-import {chatteringFinding} from './verdicts.js';
+import {chatteringFinding, inEffect} from './verdicts.js';
 import {figureText, threeDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 
@@ -42,7 +42,7 @@ export class ChatteringLens {
 
   /** @param {Look} look */
   show(look) {
-    const {seen: {chattering}, joint, color, lane, gains} = look;
+    const {seen: {chattering}, joint, color, lane, gains, hold} = look;
     const one = chattering.joints[joint - 1];
     this.#card.facts = [
       {name: 'total variation', value: figureText(VARIATION, one.variation),
@@ -56,7 +56,7 @@ export class ChatteringLens {
         title: 'All joints, same run, exact sensors',
       }] : []),
     ];
-    this.#card.finding = chatteringFinding(chattering, gains);
+    this.#card.finding = chatteringFinding(chattering, inEffect(gains, hold));
     const spectra = spectraOf(chattering, joint, lane, color);
     this.#spectrum.draw(`Joint ${joint}: spectrum of the torque`, (colors) => (
       spectrumFigure(colors, chattering, spectra, `${lane}-${joint}`)

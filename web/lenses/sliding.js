@@ -5,7 +5,7 @@ import {plain} from '../plots/figure.js';
 import {LensCard, choice, percent} from './card.js';
 import {LensFigure, axis, faint} from './figure.js';
 import {energyFigure} from './energy.js';
-import {RESTLESS, energyFinding, planeFinding} from './verdicts.js';
+import {RESTLESS, energyFinding, inEffect, planeFinding} from './verdicts.js';
 import {withUnit} from '../fields/quantity.js';
 import {figureText, threeDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
@@ -53,7 +53,8 @@ export class SlidingLens {
   /** @param {Look} look */
   show(look) {
     this.#look = look;
-    const {seen, joint, horizon, color, gains} = look;
+    const {seen, joint, horizon, color, hold} = look;
+    const gains = inEffect(look.gains, hold);
     const one = seen.sliding.joints[joint - 1];
     this.#planeCard.words = `Each point is one moment of joint ${joint}: how far it is off (e) and `
       + 'how fast that changes (de). The controller pulls it onto the line S = 0, along which the '

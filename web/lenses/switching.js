@@ -1,5 +1,5 @@
 // @ts-check
-/** Sign, saturation and tanh side by side, everything else equal. */
+/** Sign, saturation, tanh and implicit side by side, everything else equal. */
 
 import {element} from '../dom/element.js';
 import {LensCard} from './card.js';
@@ -16,11 +16,13 @@ import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 const [ERROR, MOST, VARIATION, ABOVE] = [
   'mae', 'max_error', 'chattering', 'high_frequency_torque',
 ].map(figureOf);
-const FUNCTIONS = /** @type {const} */ ([['sign', 'dot'], ['saturation', 'dash'], ['tanh', 'solid']]);
+const FUNCTIONS = /** @type {const} */ ([
+  ['sign', 'dot'], ['saturation', 'dash'], ['tanh', 'solid'], ['implicit', 'dashdot'],
+]);
 /** A preset in whose sampled loop sign chatters. */
 const SAMPLED_PRESET = 'chattering-tanh';
 
-/** Runs the three when asked. */
+/** Runs each of them when asked. */
 export class SwitchingCard {
   element;
   #api;
@@ -46,7 +48,7 @@ export class SwitchingCard {
     this.#desk = desk;
     this.#button = element('button', {
       class: 'button small', type: 'button', on: {click: () => this.#pressed()},
-    }, 'Compare the three');
+    });
     this.#table = element(
       'div', {class: 'lens-scroll', tabindex: 0, role: 'region', 'aria-label': 'Switching functions'},
       element('table', {class: 'lens-table'}, heading(), this.#body),
@@ -61,8 +63,8 @@ export class SwitchingCard {
     this.#card = new LensCard({
       title: 'Sign, saturation, tanh', equation: 'Eq. 10–13',
       words: 'sign(S) applies the full k₂ wherever S is not zero, so a sampled controller '
-        + 'switches endlessly; saturation and tanh ease off within ε. One run of each, all else '
-        + 'equal.',
+        + 'switches endlessly; saturation and tanh ease off within ε. implicit, for a law with a '
+        + 'model, takes the sign at the end of the period. One run of each, all else equal.',
     }, element('div', {class: 'lens-row'}, this.#button, this.#note), this.#table, this.#way,
     this.#figure.element);
     this.element = this.#card.element;
@@ -76,6 +78,14 @@ export class SwitchingCard {
     }
     this.#look = look;
     this.#draw();
+  }
+
+  /** Those that the lane's law takes: implicit needs a model of the arm, and a term k₂. */
+  #functions() {
+    const gains = this.#api.experiment.lanes?.[this.#look?.lane ?? ''] ?? {};
+    const law = this.#api.laws.find(({name}) => name === gains.law);
+    const takes = law?.model_based && gains.reaching !== 'power';
+    return FUNCTIONS.filter(([name]) => name !== 'implicit' || takes);
   }
 
   #key() { return keyOf(this.#api.experiment, this.#look?.lane ?? '', ['switching']); }
@@ -92,9 +102,9 @@ export class SwitchingCard {
     this.#trials = [];
     await this.#api.settled();
     this.#compared = this.#key();
-    // All three of the same experiment, whatever becomes of the live one meanwhile.
+    // All of the same experiment, whatever becomes of the live one meanwhile.
     const {experiment} = this.#api;
-    for (const [name, dash] of FUNCTIONS) {
+    for (const [name, dash] of this.#functions()) {
       if (!switchesIn(this.#api.experiment, lane)) break;
       this.#draw();
       const trial = await this.#run(experiment, lane, name, signal);
@@ -142,9 +152,11 @@ export class SwitchingCard {
     const trials = this.#trials;
     const old = trials.length > 0 && this.#key() !== this.#compared;
     this.#button.disabled = !switches;
-    this.#button.textContent = this.#running ? 'Stop' : 'Compare the three';
+    const count = this.#functions().length;
+    const all = count > 3 ? 'four' : 'three';
+    this.#button.textContent = this.#running ? 'Stop' : `Compare the ${all}`;
     this.#note.textContent = isWatching() ? RUNS_ARE_THE_OWNERS : !switches ? 'This law has no switching function.'
-      : this.#running ? `${trials.length} of 3 runs …` : old ? 'Run before the last change.' : '';
+      : this.#running ? `${trials.length} of ${count} runs …` : old ? 'Run before the last change.' : '';
     this.#table.hidden = !trials.length;
     this.#way.hidden = !trials.length || experiment.simulation?.mode !== 'continuous';
     this.#body.replaceChildren(...trials.map((trial) => this.#row(trial, gains.switching)));
@@ -164,7 +176,7 @@ export class SwitchingCard {
       name, dash, color, density: seen.chattering.joints[joint - 1].density,
       width: dash === 'solid' ? 2 : 1.5,
     }));
-    this.#figure.draw(`Joint ${joint}: spectra of the torque under the three`, (colors) => (
+    this.#figure.draw(`Joint ${joint}: spectra of the torque under each`, (colors) => (
       spectrumFigure(colors, ran[0].seen.chattering, spectra, `${lane}-${joint}`)
     ));
   }
@@ -214,7 +226,11 @@ function finding(trials) {
   );
   const [sign, tanh] = [of('sign'), of('tanh')];
   if (!sign || !tanh) return '';
-  const times = threeDigits(sign.variation / Math.max(tanh.variation, 1e-9));
-  return `sign moves the torque ${times} times as much as tanh, for ${figureNumber(ERROR, sign.mae)} `
-    + `against ${figureText(ERROR, tanh.mae)} of ${ERROR.title}.`;
+  const times = (/** @type {any} */ one) => (
+    threeDigits(one.variation / Math.max(tanh.variation, 1e-9))
+  );
+  const implicit = of('implicit');
+  return `sign moves the torque ${times(sign)} times as much as tanh, for ${figureNumber(ERROR, sign.mae)} `
+    + `against ${figureText(ERROR, tanh.mae)} of ${ERROR.title}.`
+    + (implicit ? ` implicit moves it ${times(implicit)} times as much, for ${figureText(ERROR, implicit.mae)}.` : '');
 }

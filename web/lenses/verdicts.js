@@ -25,6 +25,15 @@ export function switches(gains) {
 }
 
 /**
+ * @param {Gains} gains
+ * @param {number} hold control period in [s], 0 in continuous mode, where implicit is sign
+ * @returns {Gains} the gains as they act
+ */
+export function inEffect(gains, hold) {
+  return gains.switching === 'implicit' && !hold ? {...gains, switching: 'sign'} : gains;
+}
+
+/**
  * What makes this law's torque quieter.
  *
  * @param {Gains} gains
@@ -37,6 +46,10 @@ function wayOut(gains, noise) {
   if (gains.switching === 'sign' && switches(gains)) {
     return noise ? 'tanh in place of sign would amplify it less.'
       : 'tanh in place of sign, or a smaller k₂, is quieter.';
+  }
+  if (gains.switching === 'implicit' && switches(gains)) {
+    return noise ? 'tanh with a wider layer ε amplifies it less.'
+      : 'A shorter delay, or tanh with a wider layer ε, is quieter.';
   }
   if (!switches(gains)) return noise ? 'A lower k₁ amplifies it less.' : 'A lower k₁ is quieter.';
   return noise ? 'A wider boundary layer ε, or smaller k₁ and k₂, amplifies it less.'
@@ -87,6 +100,10 @@ export function planeFinding(one, horizon, gains) {
     return 'sign(S) has no layer, and ε has no effect: it applies the full k₂ wherever S is not '
       + `zero. For ${percent(inside)} of the time S is practically zero.${slow}`;
   }
+  if (gains.switching === 'implicit' && switches(gains)) {
+    return `Within the layer, T·k₂ by the model, implicit brings S to zero by the end of each period. For ${
+      percent(inside)} of the time S is within it; ε has no effect.${slow}`;
+  }
   if (1 - inside < HARDLY) {
     return 'The whole response of this joint stays within the layer: there tanh and saturation are '
       + `little more than a gain k₂/ε, and nothing switches.${slow}`;
@@ -132,6 +149,10 @@ function restless({turns, quiet_turns: quiet, outside}, gains) {
   if (!switches(gains)) {
     return `${often}${apart}: the torque is held for a whole sample and overshoots each time. `
       + 'Nothing switches in this law; its gains are too high for the control rate.';
+  }
+  if (gains.switching === 'implicit') {
+    return `${often}${apart}: implicit predicts S one period ahead, by the model. A delay, or a model `
+      + 'that is off, makes it overshoot the line each time.';
   }
   if (gains.switching !== 'sign' && outside < HARDLY) {
     return `${often}${apart}: the torque is held for a whole sample and overshoots the line each `

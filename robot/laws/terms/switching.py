@@ -6,27 +6,30 @@ e = q_d - q, so that a positive sliding variable asks for a positive torque.
 from __future__ import annotations
 
 from math import copysign, tanh
-from typing import Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
+from pydantic import field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field
+from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field, refusal
 from slidetune.robot.kernels.compiler import inlined, kernel
-from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, GAIN, REACH, S
+from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, FLAGS, GAIN, PERIOD, REACH, S
 
 Array = np.ndarray
 
-Switching = Literal["tanh", "saturation", "sign"]
+Switching = Literal["tanh", "saturation", "sign", "implicit"]
+ModelFreeSwitching = Literal["tanh", "saturation", "sign"]
 Reaching = Literal["exponential", "constant", "power"]
 
-SWITCHINGS: tuple[Switching, ...] = ("tanh", "saturation", "sign")
+SWITCHINGS: tuple[Switching, ...] = get_args(Switching)
 REACHINGS: tuple[Reaching, ...] = ("exponential", "constant", "power")
 
 HELD = 1e-3
 """|S| that counts as held at zero by sign in [rad/s] (*ours*). Continuous mode holds it to 5e-6 at
 steps of 1 ms, and to 1.3e-4 at the longest, 5 ms."""
 
-TANH, SATURATION, SIGN = 0, 1, 2
+TANH, SATURATION, SIGN, IMPLICIT = 0, 1, 2, 3
 EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
 
 K1, K2, EPSILON, ALPHA, CODES = range(CURVE_ROWS)
@@ -78,7 +81,7 @@ class ReachingGains(Section):
         group="Reaching",
         needs={"switching": ("tanh", "saturation")},
         source="published",
-        meaning="|S| at which saturation reaches 1 and tanh 0.76; sign does not use it.",
+        meaning="|S| at which saturation reaches 1 and tanh 0.76; the others do not use it.",
     )
     switching: Switching = field(
         "tanh",
@@ -87,8 +90,9 @@ class ReachingGains(Section):
         equation="Eq. 13",
         group="Reaching",
         source="published",
-        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters "
-        "in sampled mode and holds S at zero in continuous mode.",
+        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), sign(S), which chatters in "
+        "sampled mode and holds S at zero in continuous mode, or implicit: sign(S) at the end of "
+        "the period, by the model; a layer of exactly T·k₂, which needs no ε and no delay.",
     )
     reaching: Reaching = field(
         "exponential",
@@ -114,8 +118,19 @@ class ReachingGains(Section):
 
     @property
     def layer(self) -> PerJoint:
-        """Within which S counts as reached in [rad/s]; ``sign`` has no layer of width epsilon."""
-        return HELD if self.switching == "sign" else self.epsilon
+        """Within which S counts as reached in [rad/s], where it isn't for the period to say."""
+        return HELD if self.switching in ("sign", "implicit") else self.epsilon
+
+    @model_validator(mode="after")
+    def _implicit_has_a_switching_term(self) -> ReachingGains:
+        if self.switching == "implicit" and self.reaching == "power":
+            text = (
+                "switching must be tanh, saturation or sign where reaching is power, got implicit: "
+                "k₁|S|^α has no term k₂ whose sign could be taken at the end of the period; choose "
+                "reaching exponential or constant for it"
+            )
+            raise refusal("switching", self.switching, text)
+        return self
 
     def pack_reaching(self) -> Array:
         """Return the reaching law as numbers. Shape (5, 6)."""
@@ -131,6 +146,33 @@ class ReachingGains(Section):
         return block
 
 
+class ModelFreeReachingGains(ReachingGains):
+    """The same for a law that does not know M, by which alone the end of a period is known."""
+
+    switching: ModelFreeSwitching = field(
+        "tanh",
+        title="Switching function",
+        symbol="sw",
+        equation="Eq. 13",
+        group="Reaching",
+        source="published",
+        meaning="tanh(S/ε) as published, saturation clip(S/ε, -1, 1), or sign(S), which chatters "
+        "in sampled mode and holds S at zero in continuous mode.",
+    )
+
+    @field_validator("switching", mode="before")
+    @classmethod
+    def _needs_no_model(cls, value: Any) -> Any:
+        if value == "implicit":
+            raise PydanticCustomError(
+                "model_free",
+                "must be one of {expected}, got implicit: that takes sign(S) at the end of the "
+                "period, which only a law with a model of the arm can predict (nftsm, smc)",
+                {"expected": "tanh, saturation, sign"},
+            )
+        return value
+
+
 @kernel
 def switch(code, s, epsilon):  # type: ignore[no-untyped-def]
     r"""Switching function and its slope.
@@ -139,7 +181,7 @@ def switch(code, s, epsilon):  # type: ignore[no-untyped-def]
         \operatorname{sign}(S)
 
     Args:
-        code: TANH, SATURATION or SIGN.
+        code: TANH, SATURATION or SIGN; IMPLICIT is SIGN, see ``implicit_switching``.
         s: sliding variable of one joint in [rad/s].
         epsilon: boundary layer in [rad/s].
 
@@ -186,6 +228,8 @@ def reaching(block, j, s):  # type: ignore[no-untyped-def]
 def reach(block, work):  # type: ignore[no-untyped-def]
     """Reaching law of every joint: value into REACH, slope into GAIN, the law itself into CURVE.
 
+    IMPLICIT stays to be written where there is a control period; without one it is SIGN.
+
     Args:
         block: numbers of ``ReachingGains.pack_reaching``. Shape (5, 6).
         work: workspace; reads S.
@@ -195,5 +239,7 @@ def reach(block, work):  # type: ignore[no-untyped-def]
         for row in range(CURVE_ROWS):
             for j in range(JOINTS):
                 work[CURVE + row, j] = block[row, j]
+        if block[CODES, SWITCHING_CODE] == IMPLICIT and work[FLAGS, PERIOD] == 0.0:
+            work[CURVE + CODES, SWITCHING_CODE] = SIGN
     for j in range(JOINTS):
         work[REACH, j], work[GAIN, j] = reaching(block, j, work[S, j])

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slidetune.robot.advice.advice import Advice, advice_on
+from slidetune.robot.advice.advice import advice_on
+from slidetune.robot.advice.remark import Advice
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.advice.torque_need import initial_torque, required_torque
 from slidetune.robot.errors import InvalidExperimentError

@@ -80,6 +80,15 @@ def test_a_new_law_drops_the_gains_that_it_does_not_have() -> None:
     assert not {"nu", "learning_rate"} & set(lane)
 
 
+def test_a_new_law_drops_a_choice_that_it_does_not_offer() -> None:
+    lane = {"law": "smc", "switching": "implicit", "k1": 9.0}
+    experiment = Experiment.from_document({"lanes": {"A": lane}})
+    changed = experiment.patched({"lanes": {"A": {"law": "rbfnn_smc"}}}).lanes["A"]
+    assert (changed.switching, changed.k1) == ("tanh", 9.0)
+    kept = experiment.patched({"lanes": {"A": {"law": "nftsm"}}}).lanes["A"]
+    assert kept.switching == "implicit"
+
+
 def test_a_new_law_may_bring_its_own_gains() -> None:
     patch = {"lanes": {"first": {"law": "rbfnn_smc", "lambda_": 8}}}
     lane = three().patched(patch).lanes["first"]

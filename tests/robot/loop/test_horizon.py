@@ -60,6 +60,8 @@ VARIANTS: Document = {
     "fast": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "epsilon": 0.1},
     "shaped": {"law": "nftsm", "inertia_shaped": True, "k1": 5, "k2": 5},
     "sign": {"law": "smc", "switching": "sign"},
+    "implicit": {"law": "smc", "switching": "implicit", **CALM},
+    "shaped implicit": {"law": "nftsm", "inertia_shaped": True, "switching": "implicit", **CALM},
     "shaped sign": {"law": "nftsm", "inertia_shaped": True, "switching": "sign"},
 }
 SAMPLED = {"mode": "sampled", "control_rate": 1000.0}

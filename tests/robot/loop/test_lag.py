@@ -15,7 +15,7 @@ from slidetune.robot.kernels.workspace import BETWEEN, DELIVERED, RECORD_COLUMNS
 from slidetune.robot.loop.accuracy import damped_growth, difference
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.simulate import LaneRun, simulate
-from slidetune.robot.margins.margin import fastest_growth
+from slidetune.robot.margins.unsampled import fastest_growth
 from tests.reference.draw import by_hand, in_its_world
 from tests.reference.sampled import solve_sampled
 from tests.reference.solve import GaveUpError, solve

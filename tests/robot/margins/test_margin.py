@@ -20,7 +20,8 @@ from slidetune.robot.margins.margin import (
     period_map,
     worst_margin,
 )
-from slidetune.robot.margins.period_map import Around, Timing, calm
+from slidetune.robot.margins.period_map import Around, calm
+from slidetune.robot.margins.timing import Timing
 
 Array = np.ndarray
 SMALL = 1e-8
@@ -281,6 +282,28 @@ def test_sign_and_power_have_no_gamma() -> None:
         assert (margin.gamma, margin.limit) == (None, None)
         assert margin.bounded
         assert (margin.radius is None) == ("switching" in change)
+
+
+@pytest.mark.parametrize("shaped", [False, True])
+@pytest.mark.parametrize(("k1", "k2"), [(5.0, 1.0), (80.0, [0.05, 300.0, 2.0, 9.0, 0.3, 40.0])])
+def test_gamma_of_the_implicit_sign_is_one_whatever_the_gains(
+    shaped: bool, k1: float, k2: Any
+) -> None:
+    lane = {"law": "nftsm", "nu": 0.1, "c": 1.0, "mu": 0.0, "inertia_shaped": shaped}
+    lane |= {"k1": k1, "k2": k2, "switching": "implicit"}
+    margin = loop_margin(pack(sampled(lane, 1000.0)), "A")
+    assert margin.gamma == pytest.approx(1.0, rel=1e-4)
+    assert margin.limit == pytest.approx(2.0, rel=2e-3)
+    assert margin.stable
+    late = loop_margin(pack(sampled(lane, 1000.0, input_delay=1e-3)), "A")
+    assert late.limit == pytest.approx(1.0, rel=2e-3)
+
+
+def test_a_joint_without_switching_gain_keeps_its_proportional_share_of_the_implicit_law() -> None:
+    lane = {"law": "nftsm", "nu": 0.1, "c": 1.0, "mu": 0.0, "inertia_shaped": True, "k1": 250.0}
+    margin = loop_margin(pack(sampled({**lane, "k2": 0.0, "switching": "implicit"}, 1000.0)), "A")
+    # k1 S at the end of the period: T k1 / (1 + T k1).
+    assert margin.gamma == pytest.approx(0.2, rel=1e-6)
 
 
 def test_the_border_of_a_mere_damper_is_two() -> None:

@@ -320,7 +320,11 @@ def test_switching_runs_along_the_layer_and_then_through_the_functions(served: S
     rows = lines(served, "switching", lane="RBFNN-NFTSM")
     curve, functions = rows[: len(EPSILONS)], rows[len(EPSILONS) :]
     assert [row["value"] for row in curve] == pytest.approx(EPSILONS.tolist())
-    assert [row["value"] for row in functions] == list(SWITCHINGS)
+    assert [row["value"] for row in functions] == ["tanh", "saturation", "sign"]
+    trials = switching_comparison(experiment, "NFTSM")
+    assert [trial.value for trial in trials][len(EPSILONS) :] == list(SWITCHINGS)
+    power = experiment.patched({"lanes": {"NFTSM": {"reaching": "power"}}})
+    assert "implicit" not in [trial.value for trial in switching_comparison(power, "NFTSM")]
     assert [row["value"] for row in functions if row["present"]] == ["tanh"]
     for row, trial in zip(rows, switching_comparison(experiment, "RBFNN-NFTSM"), strict=True):
         assert_same_figures(row, figures(experiment, "RBFNN-NFTSM", trial.patch))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import GAIN, REACH, WORK_ROWS, S
 from slidetune.robot.laws.terms.switching import (
@@ -23,6 +27,7 @@ from slidetune.robot.laws.terms.switching import (
 Array = np.ndarray
 SLIDING = st.floats(-50.0, 50.0)
 LAYER = st.floats(1e-3, 10.0)
+PAIRS = [pair for pair in product(SWITCHINGS, REACHINGS) if pair != ("implicit", "power")]
 
 
 def reached(gains: ReachingGains, sliding: Array) -> tuple[Array, Array]:
@@ -38,6 +43,7 @@ def expected(gains: ReachingGains, s: Array) -> Array:
         "tanh": np.tanh(s / epsilon),
         "saturation": np.clip(s / epsilon, -1.0, 1.0),
         "sign": np.sign(s),
+        "implicit": np.sign(s),  # where there is no period
     }[gains.switching]
     return {
         "exponential": k1 * s + k2 * value,
@@ -75,8 +81,7 @@ def test_slope_is_the_derivative(code: int, s: float, epsilon: float) -> None:
     assert switch(float(code), s, epsilon)[1] == pytest.approx(difference, abs=1e-4 / epsilon)
 
 
-@pytest.mark.parametrize("switching", SWITCHINGS)
-@pytest.mark.parametrize("reaching", REACHINGS)
+@pytest.mark.parametrize(("switching", "reaching"), PAIRS)
 def test_reaching_laws_have_their_values(switching: str, reaching: str) -> None:
     gains = ReachingGains(
         k1=[1, 2, 3, 4, 5, 6],
@@ -105,8 +110,7 @@ def test_gain_is_the_slope_of_the_reaching_law(
     np.testing.assert_allclose(reached(gains, at)[1], difference, rtol=1e-5, atol=1e-5)
 
 
-@pytest.mark.parametrize("switching", SWITCHINGS)
-@pytest.mark.parametrize("reaching", REACHINGS)
+@pytest.mark.parametrize(("switching", "reaching"), PAIRS)
 @given(s=st.floats(-1e3, 1e3))
 def test_reaching_laws_oppose_and_stay_finite(switching: str, reaching: str, s: float) -> None:
     gains = ReachingGains(switching=switching, reaching=reaching, epsilon=1e-4, alpha=0.05)
@@ -126,3 +130,22 @@ def test_every_joint_has_its_own_gains() -> None:
             changed = reached(ReachingGains(**{**base.model_dump(), name: values}), np.ones(JOINTS))
             differs = changed[0] != reached(base, np.ones(JOINTS))[0]
             assert np.flatnonzero(differs).tolist() == [joint]
+
+
+@pytest.mark.parametrize("law", ["rbfnn_nftsm", "rbfnn_smc"])
+def test_a_law_without_a_model_refuses_the_implicit_sign(law: str) -> None:
+    with pytest.raises(InvalidExperimentError) as caught:
+        Experiment.from_document({"lanes": {"A": {"law": law, "switching": "implicit"}}})
+    (refused,) = caught.value.fields
+    assert (refused.path, refused.value) == ("lanes.A.switching", "implicit")
+    assert refused.allowed == "tanh, saturation, sign"
+    assert "got implicit: that takes sign(S) at the end of the period" in refused.message
+
+
+def test_the_power_law_has_no_term_whose_sign_could_be_taken_at_the_end() -> None:
+    lane = {"law": "smc", "switching": "implicit", "reaching": "power"}
+    with pytest.raises(InvalidExperimentError) as caught:
+        Experiment.from_document({"lanes": {"A": lane}})
+    (refused,) = caught.value.fields
+    assert (refused.path, refused.value) == ("lanes.A.switching", "implicit")
+    assert "must be tanh, saturation or sign where reaching is power" in refused.message
