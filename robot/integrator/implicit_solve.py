@@ -51,6 +51,7 @@ from slidetune.robot.kernels.workspace import (
     NETWORK_SLOPE,
     PASSED,
     REACH,
+    REACHED,
     RESIDUAL,
     RIGHT,
     S_FALL,
@@ -243,6 +244,8 @@ def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: igno
     work[FLAGS, HELD] = 1.0
     for j in range(JOINTS):
         if shaped:
+            soft = _weight(j, inertia, work)
+            work[REACHED, j] = soft * work[ACCELERATION, j] - work[LOAD, j]
             # One joint's set-valued force is spread over all.
             work[HELD_TORQUE, j], _ = _shaped_torque(j, h, environment, inertia, work)
             work[SLIDING, j] = 1.0

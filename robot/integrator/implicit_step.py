@@ -31,6 +31,7 @@ from slidetune.robot.kernels.workspace import (
     CHANGE_V,
     COMMAND,
     CURRENT,
+    CURVE,
     CURVED,
     DIAGONAL,
     ERRORS,
@@ -62,6 +63,7 @@ from slidetune.robot.kernels.workspace import (
     V,
     W,
 )
+from slidetune.robot.laws.terms.switching import ALPHA, CODES, K2, REACHING_CODE, TWISTING
 
 MAX_ANGLE = 100.0
 """Angle [rad] past which a lane counts as diverged (*ours*: 16 turns)."""
@@ -147,6 +149,9 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
         begin_lag(h, state, environment, work)
     else:
         without_lag(into, work)
+    if work[CURVE + CODES, REACHING_CODE] == TWISTING:
+        for j in range(JOINTS):
+            work[CURVE + K2, j] = h * work[CURVE + ALPHA, j]
     fill(h, state, inertia, bias, work)
     left = _solve(h, state, inertia, bias, environment, work)
     if lagging:

@@ -84,9 +84,10 @@ DISTURBANCE_HALF = RIGHT + 16  # the same over its first half, where that differ
 WITHHELD = RIGHT + 17  # share of a command that a lag does not deliver within the step [-]
 CARRIED = RIGHT + 18  # what it delivers in its place, of the torques before [N m]
 COMMAND = RIGHT + 19  # the controller's torque at the end of the step, within its limit [N m]
+REACHED = RIGHT + 20  # what sign(S) gives a joint that it holds on S = 0, before SHAPE [as REACH]
 
 # --- what a lane remembers of its steps ----------------------------------------------------------
-CHANGE_Q = COMMAND + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
+CHANGE_Q = REACHED + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
 CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
 TALLY = CHANGE_Q + 2  # columns below
 MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state

@@ -59,6 +59,8 @@ class Probe:
             )
             for trajectory in (hold, packed.trajectory)
         )
+        # A law that remembers begins on its surface; without a period nothing moves that on.
+        self._ask(0.0, self._at_rest)
 
     def _ask(self, t: float, table: Array) -> Array:
         self._arm.refill()

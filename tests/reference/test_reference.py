@@ -13,10 +13,9 @@ from scipy.integrate import solve_ivp
 from slidetune.robot.arm.arm import build_model
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
-from slidetune.robot.laws import LAWS
 from tests.reference.arm import JOINTS, arm
 from tests.reference.data import TIME, read
-from tests.reference.draw import DRAWS, widely
+from tests.reference.draw import DRAWS, LAWS, widely
 from tests.reference.loop import Loop
 from tests.reference.solve import solve
 

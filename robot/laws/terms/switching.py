@@ -30,7 +30,7 @@ HELD = 1e-3
 steps of 1 ms, and to 1.3e-4 at the longest, 5 ms."""
 
 TANH, SATURATION, SIGN, IMPLICIT = 0, 1, 2, 3
-EXPONENTIAL, CONSTANT, POWER = 0, 1, 2
+EXPONENTIAL, CONSTANT, POWER, TWISTING = 0, 1, 2, 3
 
 K1, K2, EPSILON, ALPHA, CODES = range(CURVE_ROWS)
 # Columns of the row CODES: two codes, and whether this is a reaching law at all.
@@ -219,6 +219,9 @@ def reaching(block, j, s):  # type: ignore[no-untyped-def]
         return k1 * s + k2 * value, k1 + k2 * slope
     if law == CONSTANT:
         return k2 * value, k2 * slope
+    if law == TWISTING:
+        root = k1 * max(abs(s), 1e-12) ** 0.5
+        return (root + k2) * value, 0.5 * root / max(abs(s), 1e-12)
     size, alpha = max(abs(s), 1e-12), block[ALPHA, j]
     power = k1 * size**alpha
     return power * value, power * (slope + alpha * abs(value) / size)

@@ -24,7 +24,7 @@ RICH: dict[str, Any] = {
         "torque_limit": [150, 150, 150, 28, 28, 28],
         "payload": {"mass": 2, "center": [0, 0.01, 0.1], "known": True},
     },
-    "lanes": {law: {"law": law} for law in LAWS},
+    "lanes": {law: {"law": law} for law in list(LAWS)[-6:]},
     "trajectory": {"kind": "circle", "radius": 0.07, "plane": "xz"},
     "disturbance": {"constant": -3, "noise": {"amplitude": [1, 0, 0, 0, 0, 0]}, "seed": 9},
     "simulation": {"mode": "sampled", "control_rate": 500, "initial_error": 0.1},

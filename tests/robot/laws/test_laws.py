@@ -29,6 +29,7 @@ from slidetune.robot.kernels.workspace import (
     Q,
     S,
     V,
+    W,
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.laws.law import Law
@@ -63,6 +64,9 @@ BASE: dict[str, Any] = {
     "inertia_shaped": False,
     "kp": 100.0,
     "kd": 20.0,
+    "z_max": 0.5,
+    "k2_min": 10.0,
+    "adaptation_rate": 1000.0,
 }
 CHANGED: dict[str, Any] = {
     "p": 11.0,
@@ -73,6 +77,8 @@ CHANGED: dict[str, Any] = {
     "inertia_shaped": True,
 }
 NEEDED = {"alpha": {"reaching": "power"}}
+# An adapted gain only grows, and comes to its bound, where S is outside of the layer.
+GROWING = {"k2", "adaptation_rate"}
 GAINS = [(law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"]
 PER_JOINT = [
     (law, name)
@@ -111,7 +117,16 @@ def same(one: LaneRun, other: LaneRun) -> bool:
 
 
 def test_registry_is_by_name_and_each_lane_knows_its_law() -> None:
-    assert list(LAWS) == ["rbfnn_nftsm", "rbfnn_smc", "nftsm", "smc", "computed_torque"]
+    assert list(LAWS) == [
+        "rbfnn_nftsm",
+        "rbfnn_smc",
+        "nftsm",
+        "smc",
+        "super_twisting",
+        "integral_smc",
+        "adaptive_smc",
+        "computed_torque",
+    ]
     for name, law in LAWS.items():
         assert law.name == name == law.lane().law
         assert law.title
@@ -132,6 +147,8 @@ def test_flags_of_a_law_say_what_it_does() -> None:
 @pytest.mark.parametrize(("law", "name"), GAINS)
 def test_every_gain_has_an_effect(law: str, name: str, mode: str) -> None:
     base = gains_of(law, **NEEDED.get(name, {}))
+    if law == "adaptive_smc" and name in GROWING:
+        base["epsilon"] = 0.1
     value = CHANGED.get(name, base[name] * 1.3 if isinstance(base[name], float) else None)
     assert not same(run(base, mode), run({**base, name: value}, mode))
 
@@ -183,6 +200,7 @@ def evaluated(lane: dict[str, Any], q: Array, v: Array) -> Array:
     arm = arm_of(root @ root.T + np.eye(JOINTS), np.ones(JOINTS))
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q], work[V] = q, v
+    work[W + 1] = float(LAWS[lane["law"]].memory > 1)  # an integral that has begun
     gains = LAWS[lane["law"]].lane.model_validate(lane).pack()
     table = table_of(work, arm=arm, gains=gains, control=LAWS[lane["law"]].control)
     assert sample(0.0, 0, 0, table) == 0
@@ -195,6 +213,8 @@ def test_a_law_hands_the_implicit_step_the_slopes_of_its_feedback(law: str) -> N
     lane = gains_of("nftsm", inertia_shaped=True) if law == "shaped" else gains_of(law)
     lane |= {"mu": 0.0} if "mu" in lane else {}
     silent = {**lane, "k1": 0.0, "k2": 0.0} if "k1" in lane else None
+    if silent is not None and "k2_min" in silent:
+        silent["k2_min"] = 0.0
     q, v = np.random.default_rng(9).normal(size=(2, JOINTS)) / 5.0
 
     def feedback(q: Array, v: Array) -> Array:
@@ -223,7 +243,7 @@ def test_a_network_that_does_not_learn_stays_silent() -> None:
     assert not lazy.weights.any()
 
 
-# --- a sixth law: a file and a line in the registry ---------------------------------------------
+# --- one more law: a file and a line in the registry ---------------------------------------------
 
 
 class Toy(LinearSurface):
@@ -267,7 +287,7 @@ def wider(monkeypatch: pytest.MonkeyPatch) -> type[Experiment]:
 
 
 @pytest.mark.parametrize("mode", ["continuous", "sampled"])
-def test_a_sixth_law_runs_beside_the_others(wider: type[Experiment], mode: str) -> None:
+def test_a_further_law_runs_beside_the_others(wider: type[Experiment], mode: str) -> None:
     lanes = {"toy": {"law": "toy", "lambda_": 4.0, "gain": 40.0}}
     # The same law in the words of another one.
     lanes["twin"] = {"law": "rbfnn_smc", "lambda_": 4.0, "k1": 40.0, "k2": 0.0, "learning_rate": 0}
@@ -279,12 +299,12 @@ def test_a_sixth_law_runs_beside_the_others(wider: type[Experiment], mode: str) 
     assert margins[0] == pytest.approx(margins[1])
 
 
-def test_a_sixth_law_takes_part_in_patches(wider: type[Experiment]) -> None:
+def test_a_further_law_takes_part_in_patches(wider: type[Experiment]) -> None:
     before = wider.from_document({"lanes": {"A": {"law": "smc", "lambda_": 7.0}}})
     after = merge_patch(before.document(), {"lanes": {"A": {"law": "toy"}}})
     assert wider.from_document(after).lanes["A"] == Toy(lambda_=7.0)
 
 
-def test_a_sixth_law_describes_its_gains_in_the_schema(wider: type[Experiment]) -> None:
+def test_a_further_law_describes_its_gains_in_the_schema(wider: type[Experiment]) -> None:
     gain: Section | dict[str, Any] = wider.model_json_schema()["$defs"]["Toy"]["properties"]["gain"]
     assert (gain["title"], gain["unit"], gain["maximum"]) == ("Gain", "N·m·s/rad", 500.0)

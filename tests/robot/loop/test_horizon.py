@@ -56,6 +56,12 @@ EVERY_LAW: Document = {
     "smc": {"law": "smc", **CALM},
     "computed_torque": {"law": "computed_torque"},
 }
+REMEMBERING: Document = {
+    "super_twisting": {"law": "super_twisting", "k1": 2, "k2": 5},
+    "integral_smc": {"law": "integral_smc", **CALM},
+    "adaptive_smc": {"law": "adaptive_smc", **CALM},
+    "integral sign": {"law": "integral_smc", "switching": "sign"},
+}
 VARIANTS: Document = {
     "fast": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "epsilon": 0.1},
     "shaped": {"law": "nftsm", "inertia_shaped": True, "k1": 5, "k2": 5},
@@ -189,13 +195,13 @@ def within_its_error(name: str, packed: Packed, told: str) -> None:
 
 
 def test_every_law_is_compared() -> None:
-    assert set(EVERY_LAW) == set(LAWS)
+    assert {lane["law"] for lane in (EVERY_LAW | REMEMBERING).values()} == set(LAWS)
 
 
 @pytest.mark.parametrize(("mode", "robot"), list(product(MODES, ARMS)))
 def test_one_call_gives_the_rows_of_single_steps(mode: str, robot: str) -> None:
     simulation = {**MODES[mode], "horizon": 0.1, "initial_error": 0.02}
-    for lanes in (EVERY_LAW, VARIANTS):
+    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS):
         experiment = Experiment.from_document({"lanes": lanes, "simulation": simulation})
         experiment = experiment.patched({"robot": {"armature": 1.0}}).patched(ARMS[robot])
         for name in lanes:
@@ -207,7 +213,7 @@ def test_one_call_gives_the_rows_of_single_steps(mode: str, robot: str) -> None:
 def test_one_call_gives_the_rows_of_single_steps_behind_a_lag(mode: str, order: str) -> None:
     drive = {"lag": [0.001, 0.002, 0.0, 0.004, 0.01, 0.02], "lag_order": order}
     simulation = {**MODES[mode], "horizon": 0.1, "initial_error": 0.02}
-    for lanes in (EVERY_LAW, VARIANTS):
+    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS):
         experiment = Experiment.from_document({"lanes": lanes, "simulation": simulation})
         packed = pack(experiment.patched({"robot": {"armature": 2.0, **drive}}))
         for name in lanes:
@@ -304,7 +310,7 @@ def test_a_law_of_plain_python_is_called_back_and_gives_the_rows_of_a_compiled_o
 ) -> None:
     document = {
         **ARMS["all of it"],
-        "lanes": {"A": EVERY_LAW[law]},
+        "lanes": {"A": (EVERY_LAW | REMEMBERING)[law]},
         "simulation": {**MODES[mode], "horizon": 0.1},
     }
     compiled = same("A", document)
