@@ -101,6 +101,11 @@ class SuperTwisting(LinearSurface):
         """Within which S counts as reached in [rad/s]; it has no boundary layer."""
         return HELD
 
+    @property
+    def swing(self) -> float:
+        """|S| in [rad/s] at which a margin takes its slope, which has no end at S = 0."""
+        return HELD
+
     def pack(self) -> Array:
         """Return all gains as numbers. Shape (7, 6)."""
         twist = np.zeros((CURVE_ROWS, JOINTS))
@@ -139,6 +144,9 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         for row in range(CURVE_ROWS):
             work[CURVE + row, j] = twist[row, j]
         work[REACH, j], work[GAIN, j] = reaching(twist, j, work[S, j])
+        if work[FLAGS, PERIOD] != 0.0 and abs(work[S, j]) < HELD:
+            # Only margins ask: the slope that a swing of that size feels.
+            work[GAIN, j] = twist[K1, j] / HELD**0.5
     shape_by_inertia(nominal_M, work)
     for i in range(JOINTS):
         for j in range(JOINTS):

@@ -208,6 +208,8 @@ class Around:
         self._weights = np.zeros((NODES, JOINTS))
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
+        if self._law.memory:
+            self._weights = work[CURRENT + W : CURRENT + W + NODES].copy()  # as it has begun
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
         # A joint whose network is blind here, or learns nothing, has no state in it.
@@ -275,10 +277,14 @@ class Around:
         self._ask(self.q, start)
         layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
+        swing = getattr(self._lane, "swing", 0.0)
         by = np.concatenate(
             [
-                np.minimum(ANGLE, WITHIN * layer / np.maximum(s_e, 1e-9)),
-                np.minimum(VELOCITY, WITHIN * layer / s_v),
+                np.maximum(
+                    np.minimum(ANGLE, WITHIN * layer / np.maximum(s_e, 1e-9)),
+                    swing / np.maximum(s_e, 1e-9),
+                ),
+                np.maximum(np.minimum(VELOCITY, WITHIN * layer / s_v), swing / s_v),
                 np.full(size - 2 * JOINTS, TORQUE),
             ]
         )

@@ -84,6 +84,9 @@ def experiments(draw: st.DrawFn) -> Experiment:
     }
     if any(lane.get("switching") == "sign" for lane in document["lanes"].values()):
         document["simulation"]["mode"] = "sampled"
+    for lane in document["lanes"].values():
+        if lane.get("reaching") == "power" and lane.get("switching") == "implicit":
+            lane["switching"] = "sign"  # power refuses implicit
     return Experiment.from_document(document)
 
 

@@ -16,6 +16,7 @@ from slidetune.robot.kernels.workspace import W
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.simulate import LaneRun, simulate
+from slidetune.robot.margins.margin import loop_margin
 from tests.reference.arm import arm
 from tests.robot.laws.plain_loops import PlainLoop
 
@@ -260,3 +261,13 @@ def test_the_new_laws_keep_what_they_remember_in_their_own_rows() -> None:
             loop.step()
         used = np.flatnonzero(loop.lanes["A"].work[W : W + 10].any(axis=1))
         assert used.max() < LAWS[law].memory
+
+
+@pytest.mark.parametrize("law", NEW)
+def test_margins_see_the_law_as_it_has_begun(law: str) -> None:
+    # By an exact model: deviations grow where gamma is above 2, or above 1 with a period of delay.
+    for delay, limit in ((0.0, 2.0), (0.001, 1.0)):
+        asked = experiment({"law": law}, "sampled", simulation={"input_delay": delay})
+        margin = loop_margin(pack(asked), "A")
+        assert margin.holds
+        assert margin.limit == pytest.approx(limit, rel=0.08)

@@ -11,7 +11,6 @@ from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
-from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.simulate import LaneRun, simulate
 from slidetune.robot.margins.margin import (
     MARGINAL,
@@ -24,6 +23,8 @@ from slidetune.robot.margins.period_map import Around, calm
 from slidetune.robot.margins.timing import Timing
 
 Array = np.ndarray
+LAWS = ("rbfnn_nftsm", "rbfnn_smc", "nftsm", "smc", "computed_torque")
+"""Laws to draw from: those without a memory of their own."""
 SMALL = 1e-8
 """Angle [rad] by which a loop is moved aside: far within every layer."""
 LANES: dict[str, dict[str, Any]] = {
@@ -172,7 +173,7 @@ def test_what_gamma_does_not_see_is_told(lane: dict[str, Any], rate: float) -> N
 def drawn(seed: int) -> Experiment:
     """Draw a sampled lane with a layer somewhere about its border."""
     random = np.random.default_rng(seed)
-    law = list(LAWS)[seed % len(LAWS)]
+    law = LAWS[seed % len(LAWS)]
 
     def log(low: float, high: float) -> float:
         return float(np.exp(random.uniform(np.log(low), np.log(high))))
@@ -234,7 +235,7 @@ def offers(law: str) -> list[tuple[Packed, Packed]]:
     """Return loops that are not stable, and what they become with what is offered."""
     found = []
     for seed in range(100 if law == "computed_torque" else 25):
-        experiment = drawn(1000 + 5 * seed + list(LAWS).index(law))
+        experiment = drawn(1000 + 5 * seed + LAWS.index(law))
         packed = pack(experiment)
         if is_stable(packed, "A"):
             continue
