@@ -48,16 +48,25 @@ def _fitting(before: Any, after: Any, patch: Any, tag: str, known: Mapping[str, 
     if variant == before.get(tag) or not isinstance(variant, str) or variant not in known:
         return after
     fields = known[variant].model_fields
+    old = known[before[tag]].model_fields if before.get(tag) in known else {}
     return {
         key: value
         for key, value in after.items()
-        if key in patch or (key in fields and _is_offered(fields[key], value))
+        if key in patch
+        or (key in fields and _is_offered(fields[key], value) and _alike(key, old, fields))
     }
 
 
 def _is_offered(field: FieldInfo, value: Any) -> bool:
     """Tell whether a choice offers that value; other fields say themselves what they refuse."""
     return get_origin(field.annotation) is not Literal or value in get_args(field.annotation)
+
+
+def _alike(key: str, old: Mapping[str, FieldInfo], new: Mapping[str, FieldInfo]) -> bool:
+    """Tell whether a number means the same in both: it has one unit."""
+    extras = [fields[key].json_schema_extra for fields in (old, new) if key in fields]
+    units = {extra.get("unit") for extra in extras if isinstance(extra, Mapping)}
+    return len(units) <= 1
 
 
 def _renamed_in_place(before: Document, after: Document) -> Document:

@@ -89,6 +89,16 @@ def test_a_new_law_drops_a_choice_that_it_does_not_offer() -> None:
     assert kept.switching == "implicit"
 
 
+def test_a_new_law_keeps_no_gain_that_has_another_unit_there() -> None:
+    lane = {"law": "smc", "k1": 70.0, "epsilon": 0.3, "lambda_": 9.0}
+    experiment = Experiment.from_document({"lanes": {"A": lane}})
+    for law, kept in (("adaptive_smc", 0.3), ("super_twisting", None)):
+        changed = experiment.patched({"lanes": {"A": {"law": law}}}).lanes["A"]
+        assert changed.k1 == LAWS[law].lane().k1 != 70.0
+        assert changed.lambda_ == 9.0
+        assert getattr(changed, "epsilon", None) == kept
+
+
 def test_a_new_law_may_bring_its_own_gains() -> None:
     patch = {"lanes": {"first": {"law": "rbfnn_smc", "lambda_": 8}}}
     lane = three().patched(patch).lanes["first"]
