@@ -109,7 +109,7 @@ def test_lanes_do_not_see_each_other() -> None:
 @pytest.mark.parametrize("mode", ["continuous", "sampled"])
 def test_rows_go_round_a_short_record(mode: str) -> None:
     document = {
-        "lanes": {law: {"law": law} for law in LAWS},
+        "lanes": {law: {"law": law} for law in list(LAWS)[-6:]},
         "robot": {"armature": 5.0},
         "simulation": {"mode": mode, "control_rate": 10_000.0},
     }

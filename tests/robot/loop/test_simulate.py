@@ -317,6 +317,8 @@ def any_section(draw: st.DrawFn, kind: type[Section]) -> dict[str, Any]:
     values = {name: draw(any_value(name, info)) for name, info in kind.model_fields.items()}
     if "p" in values:
         values["p"], values["k"] = draw(st.sampled_from(RATIOS))
+    if (values.get("switching"), values.get("reaching")) == ("implicit", "power"):
+        values["switching"] = "sign"
     return values
 
 
