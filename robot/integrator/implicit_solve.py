@@ -20,12 +20,19 @@ from math import inf, isfinite, tanh
 from slidetune.robot.environment.external_torque import COULOMB_WIDTH
 from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.joint_curve import balance, joint_curve, limited, lost_torque
+from slidetune.robot.integrator.joint_curve import (
+    balance,
+    joint_curve,
+    limited,
+    lost_torque,
+    reaching_at,
+)
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.elimination import solve
 from slidetune.robot.kernels.workspace import (
     ACCELERATION,
     APPLIED,
+    COMMAND,
     ERRORS,
     F_SLOPE,
     FLAGS,
@@ -238,6 +245,29 @@ def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: igno
             a = work[ACCELERATION, j]
             torque, _ = lost_torque(a, j, h, state, environment, work)
             work[HELD_TORQUE, j] = bias[j] + torque - (work[LOAD, j] - inertia[j, j] * a)
+
+
+@kernel
+def curved_command(h, environment, inertia, work):  # type: ignore[no-untyped-def]
+    """Write the controller's torque at the end of a step that ``solve_curves`` solved to COMMAND.
+
+    Args:
+        h: step in [s].
+        environment: what ``pack_environment`` returned.
+        inertia: M(q). Shape (6, 6).
+        work: workspace with the solution.
+    """
+    for j in range(JOINTS):
+        limit = environment[LIMIT, j]
+        if work[FLAGS, SHAPED] != 0.0:
+            work[COMMAND, j], _ = _shaped_torque(j, h, environment, inertia, work)
+        elif work[SLIDING, j] != 0.0:
+            work[COMMAND, j], _ = limited(work[HELD_TORQUE, j], limit)
+        else:
+            s = work[S_FREE, j] - work[S_FALL, j] * work[ACCELERATION, j]
+            value, _ = reaching_at(s, j, work)
+            torque = work[GIVEN, j] + value + h * work[NETWORK_SLOPE, j] * s
+            work[COMMAND, j], _ = limited(torque, limit)
 
 
 @kernel

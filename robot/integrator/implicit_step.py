@@ -12,8 +12,15 @@ from __future__ import annotations
 from math import inf, isfinite
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.implicit_solve import SOLVED, solve_curves
-from slidetune.robot.integrator.tangent import fill, follow_tanh, is_smooth, tangents_hold
+from slidetune.robot.integrator.implicit_solve import SOLVED, curved_command, solve_curves
+from slidetune.robot.integrator.joint_curve import reaching_at
+from slidetune.robot.integrator.tangent import (
+    fill,
+    final_torque,
+    follow_tanh,
+    is_smooth,
+    tangents_hold,
+)
 from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.elimination import solve, solve_symmetric
 from slidetune.robot.kernels.known_shape import square, workspace
@@ -22,7 +29,9 @@ from slidetune.robot.kernels.workspace import (
     APPLIED,
     CHANGE_Q,
     CHANGE_V,
+    COMMAND,
     CURRENT,
+    CURVED,
     DIAGONAL,
     ERRORS,
     F_SLOPE,
@@ -38,14 +47,18 @@ from slidetune.robot.kernels.workspace import (
     LEARNT,
     LEFT,
     MATRIX,
+    NETWORK,
+    NETWORK_SLOPE,
     NODES,
     PASSED,
+    REACH,
     RESIGNED,
     RIGHT,
     S_FALL,
     S_FREE,
     SHAPED,
     TALLY,
+    TAU,
     TRIAL,
     UNSOLVED,
     F,
@@ -79,16 +92,35 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
         solve(work)
     else:
         solve_symmetric(work)
+    work[FLAGS, CURVED] = 0.0
     if is_smooth(h, environment, work) or tangents_hold(h, state, inertia, environment, work):
         return 0.0
     if follow_tanh(h, inertia, bias, environment, work):
         return 0.0
+    work[FLAGS, CURVED] = 1.0
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
     left = solve_curves(h, state, inertia, bias, environment, work)
     for j in range(JOINTS):
         work[RIGHT, j] = work[ACCELERATION, j]
     return left
+
+
+@kernel
+def keep_command(h, inertia, environment, work):  # type: ignore[no-untyped-def]
+    """Write the controller's torque at the end of the step just solved to COMMAND [N m]."""
+    if work[FLAGS, CURVED] != 0.0:
+        curved_command(h, environment, inertia, work)
+        return
+    for j in range(JOINTS):
+        if work[FLAGS, SHAPED] != 0.0:
+            work[COMMAND, j] = final_torque(h, j, work)
+        else:
+            # Not by the tangents of the beginning: the step may have taken others since.
+            s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
+            value, _ = reaching_at(s, j, work)
+            learnt = h * (work[NETWORK_SLOPE, j] * s - work[LEAKAGE, j] * work[NETWORK, j])
+            work[COMMAND, j] = work[TAU, j] - work[REACH, j] + value + learnt
 
 
 @kernel

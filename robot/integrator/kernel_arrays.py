@@ -20,7 +20,18 @@ from slidetune.robot.arm.dynamics import ChainDynamics, Dynamics
 from slidetune.robot.arm.recursion import CHAIN_COLUMNS, SCRATCH_COLUMNS, chain_dynamics
 from slidetune.robot.environment.layout import SENSOR
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.integrator.law_call import Control, call_back, call_law, callback, compiled_law
+from slidetune.robot.integrator.law_call import (
+    Advance,
+    Control,
+    advance_back,
+    advance_callback,
+    call_advance,
+    call_back,
+    call_law,
+    callback,
+    compiled_advance,
+    compiled_law,
+)
 from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.known_shape import as_floats
 from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS, Q, V
@@ -36,7 +47,10 @@ COMMANDS, CHAIN, NOMINAL_CHAIN, SCRATCH, COMPILED_LAW, LAW_CALLBACK = range(9, 1
 TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(15, 20)
 # Numbers as float64.
 STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(20, 24)
-SIZE = 24
+# What moves the law's memory on: its address, CALLED_BACK, or 0 for a law without; the callback.
+COMPILED_ADVANCE, ADVANCE_CALLBACK = range(24, 26)
+SIZE = 26
+CALLED_BACK = -1
 ENVIRONMENT_SHAPE = (SENSOR + 1, JOINTS)
 CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
 SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
@@ -64,6 +78,7 @@ def kernel_table(
     period: float = 0.0,
     commands: Array = NO_COMMANDS,
     delay: tuple[int, float] = (0, 0.0),
+    advance: Advance | None = None,
 ) -> Array:
     """Return the table of a lane's arrays; they live as long as it does.
 
@@ -81,6 +96,7 @@ def kernel_table(
         period: control period of sampled mode in [s].
         commands: memory for the torques that wait for the input delay to pass. Shape (k, 6).
         delay: the input delay: control periods, and steps of the arm.
+        advance: what moves the law's memory on; ``None`` for a law without one.
 
     Raises:
         ValueError: if an array is not one block of float64, or has another shape.
@@ -116,14 +132,19 @@ def kernel_table(
         table[CHAIN], table[SCRATCH] = truth.chain.ctypes.data, truth.scratch.ctypes.data
     if isinstance(nominal, ChainDynamics) and nominal is not truth:
         table[NOMINAL_CHAIN] = nominal.chain.ctypes.data
-    called = None
+    called, moved = None, None
+    if advance is not None:
+        table[COMPILED_ADVANCE] = compiled_advance(advance) or CALLED_BACK
+        if table[COMPILED_ADVANCE] == CALLED_BACK:
+            moved = advance_callback(advance, gains, nominal.inertia, nominal.bias, work)
+            table[ADVANCE_CALLBACK] = ctypes.cast(moved, ctypes.c_void_p).value or 0
     if control is not None:
         table[COMPILED_LAW] = compiled_law(control)
         if not table[COMPILED_LAW]:
             called = callback(control, gains, nominal.inertia, nominal.bias, work)
             table[LAW_CALLBACK] = ctypes.cast(called, ctypes.c_void_p).value or 0
     # Pinocchio's own memory goes with its data, which the dynamics hold.
-    return np.asarray(_Kept(table, arrays, truth, nominal, control, called))
+    return np.asarray(_Kept(table, arrays, truth, nominal, control, advance, called, moved))
 
 
 def _as_pointer(_context: Any, address: Any) -> Any:
@@ -182,6 +203,29 @@ def ask(state, table):  # type: ignore[no-untyped-def]
     nominal_nle = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
     work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
     call_law(table[COMPILED_LAW], state, gains, nominal_M, nominal_nle, work)
+    return 0
+
+
+@kernel
+def advance_memory(h, state, into, table):  # type: ignore[no-untyped-def]
+    """Let the table's law move its memory on; it must have one.
+
+    Args:
+        h: step or control period in [s].
+        state: first row of the state before the step.
+        into: first row of the state after it; the same in sampled mode.
+        table: the lane's table.
+
+    Returns:
+        0, or RAISED.
+    """
+    if table[COMPILED_ADVANCE] == CALLED_BACK:
+        return advance_back(table[ADVANCE_CALLBACK], h, state, into)
+    gains = carray(_pointer(table[GAINS]), (table[GAIN_ROWS], JOINTS), np.float64)
+    nominal_M = carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64)
+    nominal_nle = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
+    work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
+    call_advance(table[COMPILED_ADVANCE], h, state, into, gains, nominal_M, nominal_nle, work)
     return 0
 
 

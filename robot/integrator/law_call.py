@@ -25,11 +25,16 @@ Control = Callable[[int, Array, Array, Array, Array], None]
 """``control(state, gains, nominal_M, nominal_nle, work)`` writes a law's torque to TAU [N m]; see
 ``robot.laws.law.Law``."""
 
+Advance = Callable[[float, int, int, Array, Array, Array, Array], None]
+"""``advance(h, state, into, gains, nominal_M, nominal_nle, work)`` moves a law's memory on."""
+
 RAISED = -3
 """What a kernel returns when a law that it called back has raised."""
 
 _block, _line = types.float64[:, ::1], types.float64[::1]
 _SIGNATURE = types.none(types.int64, _block, _block, _line, _block)
+_ADVANCE = types.none(types.float64, types.int64, types.int64, _block, _block, _line, _block)
+_AdvanceCallback = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_int64, ctypes.c_int64)
 _Callback = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
 _error: ContextVar[Exception | None] = ContextVar("error", default=None)
 _llvm: Any = cgutils
@@ -38,10 +43,20 @@ _llvm: Any = cgutils
 @lru_cache(maxsize=64)
 def compiled_law(control: Control) -> int:
     """Return the address of a law's compiled code, 0 where there is none."""
-    if not hasattr(control, "get_compile_result"):
+    return _compiled(control, _SIGNATURE)
+
+
+@lru_cache(maxsize=64)
+def compiled_advance(advance: Advance) -> int:
+    """Return the same of what moves its memory on."""
+    return _compiled(advance, _ADVANCE)
+
+
+def _compiled(function: Any, signature: Any) -> int:
+    if not hasattr(function, "get_compile_result"):
         return 0
     try:
-        return address_of(control, _SIGNATURE)
+        return address_of(function, signature)
     except NumbaError:
         return 0
 
@@ -60,6 +75,22 @@ def callback(control: Control, gains: Array, inertia: Array, bias: Array, work: 
     return _Callback(call)
 
 
+def advance_callback(
+    advance: Advance, gains: Array, inertia: Array, bias: Array, work: Array
+) -> Any:
+    """Return what moves a law's memory on as a C function, as ``callback`` does the law."""
+
+    def call(h: float, state: int, into: int) -> int:
+        try:
+            advance(h, state, into, gains, inertia, bias, work)
+        except Exception as error:
+            _error.set(error)
+            return RAISED
+        return 0
+
+    return _AdvanceCallback(call)
+
+
 def checked(code: int) -> int:
     """Return what a kernel returned, or raise what its law raised."""
     if code == RAISED:
@@ -75,6 +106,29 @@ def _law(  # numba reads the names and the number of these
     return called(_SIGNATURE)
 
 
+def _advance(  # as above
+    _context: Any,
+    address: Any,
+    h: Any,
+    state: Any,
+    into: Any,
+    gains: Any,
+    nominal_M: Any,
+    nominal_nle: Any,
+    work: Any,
+) -> Any:
+    return called(_ADVANCE)
+
+
+def _advanced_back(_context: Any, address: Any, h: Any, state: Any, into: Any) -> Any:
+    def build(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        whole = cgutils.intp_t
+        kind = _llvm.ir.FunctionType(whole, [_llvm.ir.DoubleType(), whole, whole])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+
+    return types.int64(types.int64, types.float64, types.int64, types.int64), build
+
+
 def _called_back(_context: Any, address: Any, state: Any) -> Any:
     def build(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         whole = cgutils.intp_t
@@ -86,5 +140,9 @@ def _called_back(_context: Any, address: Any, state: Any) -> Any:
 
 call_law: Any = intrinsic(_law)
 """Calls a compiled law at an address: ``(address, state, gains, nominal_M, nominal_nle, work)``."""
+call_advance: Any = intrinsic(_advance)
+"""Calls a compiled ``Advance`` at an address that comes before its arguments."""
+advance_back: Any = intrinsic(_advanced_back)
+"""Calls an ``Advance`` back: ``(address, h, state, into)`` returns 0 or RAISED."""
 call_back: Any = intrinsic(_called_back)
 """Calls a law back: ``(address, state)`` returns 0 or RAISED."""

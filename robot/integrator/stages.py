@@ -24,11 +24,19 @@ from slidetune.robot.integrator.implicit_step import (
     accept_motion,
     arm_step,
     implicit_step,
+    keep_command,
     step_error,
     unsolved,
     within_bounds,
 )
-from slidetune.robot.integrator.kernel_arrays import ask, delay_line, loop_arrays, settings
+from slidetune.robot.integrator.kernel_arrays import (
+    COMPILED_ADVANCE,
+    advance_memory,
+    ask,
+    delay_line,
+    loop_arrays,
+    settings,
+)
 from slidetune.robot.kernels.compiler import inlined, kernel, part
 from slidetune.robot.kernels.workspace import (
     APPLIED,
@@ -121,12 +129,18 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         left = implicit_step(0.5 * h, state, state, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
+        if table[COMPILED_ADVANCE] != 0:
+            bad = _remember(0.5 * h, state, state, table)
+            if bad != 0:
+                return bad
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
         return accept(second, work)
     if row >= 0:
         write_record(row, environment, work, record)
+        if table[COMPILED_ADVANCE] != 0:
+            _without_weights(row, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
         return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
@@ -135,6 +149,10 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
         return STUCK
+    if table[COMPILED_ADVANCE] != 0:
+        bad = _remember(h, state, state + FULL, table)
+        if bad != 0:
+            return bad
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
@@ -146,7 +164,26 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     left = implicit_step(0.5 * h, state, half, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
+    if table[COMPILED_ADVANCE] != 0:
+        bad = _remember(0.5 * h, state, half, table)
+        if bad != 0:
+            return bad
     return within_bounds(half, work)
+
+
+@part
+def _remember(h, state, into, table):  # type: ignore[no-untyped-def]
+    """Let the law move its memory on over the step just solved."""
+    inertia, _, environment, _, work, _ = loop_arrays(table)
+    keep_command(h, inertia, environment, work)
+    return advance_memory(h, state, into, table)
+
+
+@kernel
+def _without_weights(row, record):  # type: ignore[no-untyped-def]
+    """Record no weights: what stands in their place is the law's memory."""
+    for j in range(JOINTS):
+        record[row, R_WEIGHTS + j] = 0.0
 
 
 @kernel
@@ -171,6 +208,8 @@ def command(row, table):  # type: ignore[no-untyped-def]
     _, period, _ = settings(table)
     _, _, environment, _, work, record = loop_arrays(table)
     write_record(row, environment, work, record)
+    if table[COMPILED_ADVANCE] != 0:
+        _without_weights(row, record)
     for j in range(JOINTS):
         limit = environment[LIMIT, j]
         work[TAU, j] = min(max(work[TAU, j], -limit), limit)
@@ -180,6 +219,10 @@ def command(row, table):  # type: ignore[no-untyped-def]
         for n in range(NODES):
             weight = work[CURRENT + W + n, j]
             work[CURRENT + W + n, j] = weight + gain * work[HIDDEN + n, j] - leak * weight
+    if table[COMPILED_ADVANCE] != 0:
+        bad = advance_memory(period, CURRENT, CURRENT, table)
+        if bad != 0:
+            return bad
     return within_bounds(CURRENT, work)
 
 

@@ -189,14 +189,14 @@ def tangents_hold(h, state, inertia, environment, work):  # type: ignore[no-unty
             return False
         if held or environment[LIMIT, j] == inf:
             continue
-        if not abs(_final_torque(h, j, work)) <= environment[LIMIT, j]:
+        if not abs(final_torque(h, j, work)) <= environment[LIMIT, j]:
             return False
     return True
 
 
 @kernel
-def _final_torque(h, j, work):  # type: ignore[no-untyped-def]
-    """Return the torque of joint ``j`` at the end of the step, by the tangents."""
+def final_torque(h, j, work):  # type: ignore[no-untyped-def]
+    """Return the controller's torque of joint ``j`` at the end of the step, by the tangents."""
     torque = work[TAU, j] - h * work[LEAKAGE, j] * work[NETWORK, j]
     torque += h * work[NETWORK_SLOPE, j] * (work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j])
     for k in range(JOINTS):

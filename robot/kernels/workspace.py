@@ -55,6 +55,7 @@ TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
+CURVED = 4  # column of FLAGS: whether the curves were solved, not their tangents
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
 PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
@@ -77,9 +78,10 @@ KEPT = RIGHT + 13  # share of a weight that a step leaves [-]
 TRIAL = RIGHT + 14  # a backup of LOAD while a Newton step is tried [N m]
 DISTURBANCE = RIGHT + 15  # mean of the disturbance over the step, less the push [N m]
 DISTURBANCE_HALF = RIGHT + 16  # the same over its first half, where that differs [N m]
+COMMAND = RIGHT + 17  # the controller's torque at the end of the step, within its limit [N m]
 
 # --- what a lane remembers of its steps ----------------------------------------------------------
-CHANGE_Q = DISTURBANCE_HALF + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
+CHANGE_Q = COMMAND + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
 CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
 TALLY = CHANGE_Q + 2  # columns below
 MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state

@@ -10,7 +10,7 @@ import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.fields.quantity import JOINTS, Section
 from slidetune.robot.integrator.cutting import BUCKETS, cutting_of
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
@@ -20,6 +20,7 @@ from slidetune.robot.kernels.workspace import (
     FLAGS,
     KNOWN,
     MEMORY_ROWS,
+    NODES,
     PERIOD,
     PUSH,
     QD,
@@ -34,6 +35,7 @@ from slidetune.robot.kernels.workspace import (
     WORK_ROWS,
     Q,
     V,
+    W,
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.steps import Step, bind_step, torques_on_the_way
@@ -71,6 +73,16 @@ class Freeze:
         return asdict(self)
 
 
+Memory = tuple[str, str] | None
+"""Law and observer whose memory a lane has; ``None`` for weights, or nothing."""
+
+
+def memory_of(gains: Section) -> Memory:
+    """Return whose memory a lane with these gains has."""
+    law, observer = getattr(gains, "law", ""), getattr(gains, "observer", "none")
+    return (law, observer) if LAWS[law].memory or observer != "none" else None
+
+
 @dataclass(frozen=True)
 class LaneState:
     """All that the next steps of a lane depend on besides the experiment.
@@ -85,6 +97,7 @@ class LaneState:
         buckets: how far the next steps may be cut; see ``BUCKETS``. Shape (3,).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
+        owner: whose memory stands in the place of the weights.
     """
 
     state: Array
@@ -95,6 +108,7 @@ class LaneState:
     buckets: Array
     freeze: Freeze | None
     began: float
+    owner: Memory = None
 
 
 _WHY = tuple(field.name for field in fields(Freeze))
@@ -110,6 +124,7 @@ class Lane:
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
+        memory: whose memory stands in the place of the weights.
         step: the bound step; see ``robot.loop.steps.Step``.
     """
 
@@ -154,23 +169,32 @@ class Lane:
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
         self.freeze, self.commands = None, NO_COMMANDS
+        self.memory: Memory = None
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
         """Take other gains, arm or trajectory from the next step on; the state goes on."""
-        law = LAWS[packed.experiment.lanes[self.name].law]
+        gains = packed.experiment.lanes[self.name]
+        law = LAWS[gains.law].used_by(gains)
+        self._begin_memory(memory_of(gains))
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)
 
+    def _begin_memory(self, memory: Memory) -> None:
+        """Forget what another law or observer remembers where this one's memory is, or was."""
+        if memory != self.memory:
+            self.work[W : W + NODES] = 0.0
+        self.memory = memory
+
     def continue_from(self, other: Lane, packed: Packed) -> None:
         """Take over another lane's state, torques on their way, past rows and freeze.
 
         What it counted stays its own.
         """
-        self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
+        self.work[:STATE_ROWS], self.memory = other.work[:STATE_ROWS], other.memory
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
         self.work[[CHANGE_Q, CHANGE_V]] = other.work[[CHANGE_Q, CHANGE_V]]
         self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
@@ -190,11 +214,13 @@ class Lane:
             buckets=self.cutting[BUCKETS].copy(),
             freeze=self.freeze,
             began=self.began,
+            owner=self.memory,
         )
 
     def restore(self, past: LaneState, packed: Packed, number: int) -> None:
         """Go back to where the lane was, with step ``number`` as the next one."""
         self.work[:STATE_ROWS], self.work[MEMORY] = past.state, past.memory
+        self.memory = past.owner
         self.work[TAU] = past.torque
         self.record[(number - 1) % len(self.record)] = past.row
         self.commands = np.roll(past.commands, number, axis=0)

@@ -228,7 +228,7 @@ def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy)
     de -= columns["v"]
     return LaneRun(
         **columns,
-        final_weights=lane.work[W : W + NODES].copy(),
+        final_weights=lane.work[W : W + NODES] * (lane.memory is None),
         e=e,
         de=de,
         flange=flange_positions(columns["q"]),

@@ -73,7 +73,9 @@ def continuous_step(
     if separate:
         nominal = _nominal(packed, work, CURRENT + Q, CURRENT + V)
     rest = (gains, packed.environment, packed.trajectory, work, record)
-    table = kernel_table(truth, nominal, *rest, control=law.control, step=simulation.step)
+    table = kernel_table(
+        truth, nominal, *rest, control=law.control, advance=law.advance, step=simulation.step
+    )
     numbers = table.view(np.float64)
     numbers[TOLERANCE] = cutting[LOOSENESS]
     nominal_model, nominal_data = nominal.model, nominal.data
@@ -169,6 +171,7 @@ def sampled_step(
         work,
         record,
         control=law.control,
+        advance=law.advance,
         step=simulation.arm_step,
         period=simulation.row_period,
         commands=commands,
@@ -206,7 +209,7 @@ def bind_step(
     """Return the step that an experiment asks for.
 
     Args:
-        law: the lane's law.
+        law: the lane's law, as it uses that.
         packed: the experiment as numbers.
         gains: the lane's gains. Shape (n, 6).
         work: the lane's workspace, which holds its state.

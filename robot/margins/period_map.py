@@ -47,6 +47,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.laws import LAWS
+from slidetune.robot.margins.observer_state import begin_observer, observer_rows
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -104,7 +105,8 @@ class PeriodMap:
 
     .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
 
-    x: deviations of angle, velocity and of the weights along the hidden outputs; u: torque.
+    x: deviations of angle, velocity, of the weights along the hidden outputs or of what an observer
+    remembers; u: torque.
 
     Attributes:
         own: A: arm and learning without the torque. Shape (m, m).
@@ -189,7 +191,7 @@ class Around:
         """
         lane = packed.experiment.lanes[name]
         self._packed, self._time, self._lane = packed, time, lane
-        self._law, self._gains = LAWS[lane.law], packed.gains[name].copy()
+        self._law, self._gains = LAWS[lane.law].used_by(lane), packed.gains[name].copy()
         self.work = work = np.zeros((WORK_ROWS, JOINTS))
         reference(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
@@ -201,14 +203,23 @@ class Around:
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
-            self._truth, self._nominal, *rest, record, control=self._law.control, period=cut.period
+            self._truth,
+            self._nominal,
+            *rest,
+            record,
+            control=self._law.control,
+            advance=self._law.advance,
+            period=cut.period,
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
+        self._memory = observer_rows(self._law, lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
+        if len(self._memory):
+            begin_observer(self._law, cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
         known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
         self.learning: Array = np.flatnonzero(known)
@@ -267,7 +278,8 @@ class Around:
 
     def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
         """Return slopes of learning, of the rest of the torque and of its reaching law."""
-        size, held = 2 * JOINTS + len(self.learning), self._weights
+        learnt, memory = len(self.learning), len(self._memory) * JOINTS
+        size, held = 2 * JOINTS + learnt + memory, self._weights
         learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
         start = self.v - error
         self._ask(self.q, start)
@@ -277,7 +289,8 @@ class Around:
             [
                 np.minimum(ANGLE, WITHIN * layer / np.maximum(s_e, 1e-9)),
                 np.minimum(VELOCITY, WITHIN * layer / s_v),
-                np.full(len(self.learning), TORQUE),
+                np.full(learnt, TORQUE),
+                np.full(memory, TORQUE),
             ]
         )
         for column in range(size):
@@ -289,6 +302,10 @@ class Around:
                     q[column] += side
                 elif column < 2 * JOINTS:
                     v[column - JOINTS] += side
+                elif column >= 2 * JOINTS + learnt:
+                    row, joint = divmod(column - 2 * JOINTS - learnt, JOINTS)
+                    self._weights = held.copy()
+                    self._weights[self._memory[row], joint] += side
                 else:
                     joint = self.learning[column - 2 * JOINTS]
                     self._weights = held.copy()
@@ -316,13 +333,14 @@ class Around:
         return np.asarray(period * (k2[:, None] * per_torque).min(axis=0))
 
     def _answer(self, held: Array) -> tuple[Array, Array, Array]:
-        """Return torque, reaching torque, and weights along the hidden outputs."""
+        """Return torque, reaching torque, and weights along the hidden outputs or memory."""
         work = self.work
         reached = work[REACH].copy()
         if work[FLAGS, SHAPED] != 0.0:
             reached = work[SHAPE : SHAPE + JOINTS] @ reached
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
-        return work[TAU].copy(), reached, moved[self.learning]
+        memory = work[CURRENT + W + self._memory].ravel()
+        return work[TAU].copy(), reached, np.concatenate([moved[self.learning], memory])
 
     def _arm_map(self, part: float) -> tuple[Array, Array, Array]:
         """Return slopes of angle and velocity after one period over themselves and the torques.

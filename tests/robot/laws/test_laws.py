@@ -63,6 +63,8 @@ BASE: dict[str, Any] = {
     "inertia_shaped": False,
     "kp": 100.0,
     "kd": 20.0,
+    "observer": "none",
+    "observer_rate": 30.0,
 }
 CHANGED: dict[str, Any] = {
     "p": 11.0,
@@ -71,8 +73,9 @@ CHANGED: dict[str, Any] = {
     "switching": "saturation",
     "reaching": "power",
     "inertia_shaped": True,
+    "observer": "momentum",
 }
-NEEDED = {"alpha": {"reaching": "power"}}
+NEEDED = {"alpha": {"reaching": "power"}, "observer_rate": {"observer": "momentum"}}
 GAINS = [(law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"]
 PER_JOINT = [
     (law, name)
