@@ -12,6 +12,7 @@ from slidetune.robot.advice.implicit_switching import implicit_switching
 from slidetune.robot.advice.sampled_arm import sampled_arm
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.advice.torque_need import initial_torque, required_torque, start
+from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
@@ -19,7 +20,14 @@ from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import JOINTS, bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 from slidetune.robot.laws.terms.network import NetworkGains
-from slidetune.robot.margins.margin import Margin, is_stable, loop_margin, with_lane
+from slidetune.robot.margins.margin import (
+    Margin,
+    as_if_unsampled,
+    is_stable,
+    loop_margin,
+    with_lane,
+)
+from slidetune.robot.margins.period_map import INSTANT
 
 Array = np.ndarray
 
@@ -56,17 +64,23 @@ class Advice:
 
 def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
-    if simulation.mode != "sampled":
+    sampled, lag = simulation.mode == "sampled", bool(np.any(packed.environment[LAG]))
+    if not sampled and not lag:
         return
+    if not sampled:
+        packed = as_if_unsampled(packed)
     margin = loop_margin(packed, name)
     if margin.holds:
         return
+    late = [" delay"] if sampled and simulation.input_delay else []
+    late += [" lag of the drives"] if lag else []
     expected = "a limit cycle" if margin.bounded else "divergence"
-    rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {expected}. "
+    rule = f"{_rule(margin, sampled, ' and this'.join(late))}: expect {expected}. "
+    where = "simulation.control_rate" if sampled else "robot.lag"
     if margin.radius is None:
-        yield Advice("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
+        yield Advice("warning", where, f"{rule}Lower the other gains.")
         return
-    rate = sufficient_rate(packed, name)
+    rate = sufficient_rate(packed, name) if sampled else None
     implicit = getattr(lane, "switching", "") == "implicit"
     smooth = with_lane(packed, name, switching="tanh") if implicit else packed
     layer = sufficient_layer(smooth, name) if hasattr(lane, "epsilon") else None
@@ -83,11 +97,11 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     ways = [] if rate is None else [f"a control rate of {rate:g} Hz"]
     if not implicit:
         ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
-    ways += ["a shorter delay"] if simulation.input_delay else []
+    ways += [f"a shorter{one}" for one in late]
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Advice(
         "warning",
-        "simulation.control_rate",
+        where,
         f"{rule}Stable with {' or '.join(ways) or 'another switching function'}.",
         {"simulation": {"control_rate": rate}} if fits else None,
     )
@@ -111,11 +125,15 @@ def _other_gains(margin: Margin, learns: bool) -> list[str]:
     return ["lower surface gains"] + (["a lower learning rate"] if learns else [])
 
 
-def _rule(margin: Margin, late: bool) -> str:
-    """Say in words why a loop is not stable."""
-    delay = " with this delay" if late else ""
+def _rule(margin: Margin, sampled: bool, late: str) -> str:
+    """Say in words why a loop is not stable, with that delay and lag."""
+    delay = f" with this{late}" if late else ""
     if margin.radius is None:
-        return "Even without sign(S), this loop is unstable at this rate" + delay
+        rate = " at this rate" if sampled else ""
+        return f"Even without sign(S), this loop is unstable{rate}{delay}"
+    if not sampled:
+        growth = np.log(margin.radius) / INSTANT
+        return f"With this{late}, deviations grow by up to a factor e^(t·{_short(growth)}/s)"
     rule = f"Deviations grow by up to a factor ρ = {margin.radius:.5g} per sample"
     if margin.gamma is None or margin.limit is None:
         return rule

@@ -98,4 +98,21 @@ class Robot(Section):
         scale="log",
         meaning="Torque at which the joint saturates; off as in the paper.",
     )
+    lag: PerJoint = field(
+        0.0,
+        title="Lag of the drive",
+        symbol="τ_lag",
+        unit="s",
+        low=0.0,
+        high=0.05,
+        step=0.0005,
+        meaning="Time constant with which the torque at the joint follows the commanded one, after "
+        "its limit; 0 is a drive without lag, as in the paper. Joint torque loops take 2-10 ms.",
+    )
+    lag_order: Literal["first", "second"] = field(
+        "first",
+        title="Order of the lag",
+        meaning="first: one lag 1/(τ_lag·s + 1), as of a torque loop; second: two equal ones in "
+        "series.",
+    )
     payload: Payload = Payload()

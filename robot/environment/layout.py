@@ -21,29 +21,38 @@ ENVIRONMENT_ROWS = TONE_PHASE + TONES
 # Columns of the row COMMON.
 OMEGA, PHASE, START, DURATION, PERIOD, BITS = range(6)
 # Bits of the column BITS: which parts of the environment there are.
-SWINGS, PULSES, NOISES, RUBS, LIMITS = 1, 2, 4, 8, 16
+SWINGS, PULSES, NOISES, RUBS, LIMITS, LAGS, TWO_LAGS = 1, 2, 4, 8, 16, 32, 64
 KINKS = RUBS | LIMITS
 # Sensor noise stands in a row of its own, after the tones.
 SENSOR = ENVIRONMENT_ROWS
 SENSOR_Q, SENSOR_V, SEED = range(3)
+LAG = SENSOR + 1
+ENVIRONMENT_SHAPE = (LAG + 1, JOINTS)
 
 
 def pack_environment(
-    disturbance: Disturbance, viscous: PerJoint, coulomb: PerJoint, torque_limit: PerJoint | None
+    disturbance: Disturbance,
+    viscous: PerJoint,
+    coulomb: PerJoint,
+    torque_limit: PerJoint | None,
+    lag: PerJoint = 0.0,
+    lags: int = 1,
 ) -> Array:
-    """Return disturbance, friction and limits as numbers.
+    """Return disturbance, friction, limits and lags of the drives as numbers.
 
     Args:
         disturbance: the disturbance.
         viscous: viscous friction in [N m s/rad].
         coulomb: Coulomb friction in [N m].
         torque_limit: torque limits in [N m], ``None`` for none.
+        lag: time constants of the drives in [s].
+        lags: how many of them are in series, 1 or 2.
 
     Returns:
-        Shape (ENVIRONMENT_ROWS + 1, 6).
+        Shape ENVIRONMENT_SHAPE.
     """
-    environment = np.zeros((ENVIRONMENT_ROWS + 1, JOINTS))
-    environment[VISCOUS], environment[COULOMB] = viscous, coulomb
+    environment = np.zeros(ENVIRONMENT_SHAPE)
+    environment[VISCOUS], environment[COULOMB], environment[LAG] = viscous, coulomb, lag
     environment[LIMIT] = np.inf if torque_limit is None else torque_limit
     environment[CONSTANT], environment[SINE] = disturbance.constant, disturbance.sine.amplitude
     environment[PULSE], environment[NOISE] = (
@@ -60,6 +69,8 @@ def pack_environment(
             (NOISES, np.any(environment[NOISE])),
             (RUBS, np.any(environment[COULOMB])),
             (LIMITS, np.any(np.isfinite(environment[LIMIT]))),
+            (LAGS, np.any(environment[LAG])),
+            (TWO_LAGS, lags == 2 and np.any(environment[LAG])),
         )
         if active
     )

@@ -64,7 +64,12 @@ def pack(experiment: Experiment) -> Packed:
             refused = FieldError(f"trajectory.{error.field}", str(error), value)
             raise InvalidExperimentError([refused]) from error
     environment = pack_environment(
-        experiment.disturbance, robot.viscous_friction, robot.coulomb_friction, robot.torque_limit
+        experiment.disturbance,
+        robot.viscous_friction,
+        robot.coulomb_friction,
+        robot.torque_limit,
+        robot.lag,
+        2 if robot.lag_order == "second" else 1,
     )
     truth = build_arm(robot)
     nominal = nominal_arm(robot, experiment.disturbance.nominal_mismatch)

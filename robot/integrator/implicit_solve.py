@@ -21,6 +21,7 @@ from slidetune.robot.environment.external_torque import COULOMB_WIDTH
 from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import (
+    at_joint,
     balance,
     joint_curve,
     limited,
@@ -32,6 +33,7 @@ from slidetune.robot.kernels.elimination import solve
 from slidetune.robot.kernels.workspace import (
     ACCELERATION,
     APPLIED,
+    CARRIED,
     COMMAND,
     ERRORS,
     F_SLOPE,
@@ -58,6 +60,7 @@ from slidetune.robot.kernels.workspace import (
     SLIDING,
     TAU,
     TRIAL,
+    WITHHELD,
     YIELD,
     F,
     S,
@@ -86,7 +89,7 @@ def _weight(j, inertia, work):  # type: ignore[no-untyped-def]
 
 @kernel
 def _shaped_torque(i, h, environment, inertia, work):  # type: ignore[no-untyped-def]
-    """Return the torque of joint ``i`` where SHAPE spreads the reaching law, and if it is free."""
+    """Return the command of joint ``i`` where SHAPE spreads the reaching law, and if it is free."""
     learning = h * work[NETWORK_SLOPE, i]
     s = work[S_FREE, i] - work[S_FALL, i] * work[ACCELERATION, i]
     torque = work[GIVEN, i] + learning * s
@@ -118,6 +121,7 @@ def _measure(h, state, inertia, bias, environment, work):  # type: ignore[no-unt
                 left += inertia[i, k] * work[ACCELERATION, k]
         if shaped:
             given, _ = _shaped_torque(i, h, environment, inertia, work)
+            given = at_joint(given, i, work)
             torque, _ = lost_torque(work[ACCELERATION, i], i, h, state, environment, work)
             left += inertia[i, i] * work[ACCELERATION, i] + bias[i] + torque - given
         else:
@@ -147,7 +151,7 @@ def _newton_direction(loose, h, state, inertia, environment, work):  # type: ign
         free, slope = 0.0, 0.0
         if shaped:
             _, free = _shaped_torque(i, h, environment, inertia, work)
-            free = max(free, loose)
+            free = max(free, loose) * (1.0 - work[WITHHELD, i])
             _, slope = lost_torque(work[ACCELERATION, i], i, h, state, environment, work)
         for k in range(JOINTS):
             yielding = work[YIELD, k]
@@ -216,7 +220,8 @@ def _passed(h, state, inertia, bias, environment, work):  # type: ignore[no-unty
             way = abs(work[ACCELERATION, j] - start)
         else:
             given, free = limited(work[TAU, j], environment[LIMIT, j])
-            before -= given
+            before -= at_joint(given, j, work)
+            free *= 1.0 - work[WITHHELD, j]
             slope += free * work[S_FALL, j] * (work[GAIN, j] + h * work[NETWORK_SLOPE, j])
             way = max(way, abs(work[ACCELERATION, j] - start))
         after, steepness = joint_curve(work[ACCELERATION, j], j, h, state, bias, environment, work)
@@ -229,7 +234,7 @@ def _passed(h, state, inertia, bias, environment, work):  # type: ignore[no-unty
 
 @kernel
 def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
-    """Write the torque of joints that sign(S) holds on their surface into HELD_TORQUE."""
+    """Write the command of joints that sign(S) holds on their surface into HELD_TORQUE."""
     shaped, any_held = work[FLAGS, SHAPED] != 0.0, False
     for j in range(JOINTS):
         any_held = any_held or work[SLIDING, j] != 0.0
@@ -244,7 +249,9 @@ def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: igno
         elif work[SLIDING, j] != 0.0:
             a = work[ACCELERATION, j]
             torque, _ = lost_torque(a, j, h, state, environment, work)
-            work[HELD_TORQUE, j] = bias[j] + torque - (work[LOAD, j] - inertia[j, j] * a)
+            given = bias[j] + torque - (work[LOAD, j] - inertia[j, j] * a)
+            share = 1.0 - work[WITHHELD, j]
+            work[HELD_TORQUE, j] = (given - work[CARRIED, j]) / share
 
 
 @kernel

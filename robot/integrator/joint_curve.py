@@ -10,12 +10,13 @@ from math import inf, tanh
 
 from slidetune.robot.environment.external_torque import COULOMB_WIDTH
 from slidetune.robot.environment.layout import COULOMB, LIMIT, VISCOUS
-from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import (
     ACCELERATION,
     AD,
     APPLIED,
     BENDS,
+    CARRIED,
     CURVE,
     CURVE_ROWS,
     FLAGS,
@@ -36,6 +37,7 @@ from slidetune.robot.kernels.workspace import (
     TERMINAL_MU,
     TERMINAL_RATIO,
     VD,
+    WITHHELD,
     YIELD,
     S,
     V,
@@ -95,6 +97,12 @@ def limited(torque, limit):  # type: ignore[no-untyped-def]
     return torque, 1.0
 
 
+@inlined
+def at_joint(command, j, work):  # type: ignore[no-untyped-def]
+    """Return what the drive of joint ``j`` makes of a command at the end of the step in [N m]."""
+    return work[CARRIED, j] + command - work[WITHHELD, j] * command
+
+
 @kernel
 def shaped_reaching(value, fall, a, j, h, state, work):  # type: ignore[no-untyped-def]
     r"""Return what SHAPE spreads of joint ``j``, and by how much it falls with the acceleration.
@@ -145,7 +153,8 @@ def joint_curve(a, j, h, state, bias, environment, work):  # type: ignore[no-unt
     learning = h * work[NETWORK_SLOPE, j]
     given, free = limited(work[GIVEN, j] + value + learning * s, environment[LIMIT, j])
     torque, slope = lost_torque(a, j, h, state, environment, work)
-    return bias[j] + torque - given, slope + free * fall * (steepness + learning)
+    free *= 1.0 - work[WITHHELD, j]
+    return bias[j] + torque - at_joint(given, j, work), slope + free * fall * (steepness + learning)
 
 
 @kernel
@@ -168,6 +177,7 @@ def _jump(j, h, state, bias, environment, work):  # type: ignore[no-untyped-def]
     torque, _ = lost_torque(a, j, h, state, environment, work)
     before, _ = limited(work[GIVEN, j] + k2, environment[LIMIT, j])
     after, _ = limited(work[GIVEN, j] - k2, environment[LIMIT, j])
+    before, after = at_joint(before, j, work), at_joint(after, j, work)
     return a, bias[j] + torque - before, bias[j] + torque - after
 
 

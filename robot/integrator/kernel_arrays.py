@@ -18,7 +18,7 @@ from numba.np.numpy_support import carray
 
 from slidetune.robot.arm.dynamics import ChainDynamics, Dynamics
 from slidetune.robot.arm.recursion import CHAIN_COLUMNS, SCRATCH_COLUMNS, chain_dynamics
-from slidetune.robot.environment.layout import SENSOR
+from slidetune.robot.environment.layout import ENVIRONMENT_SHAPE
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import (
     Advance,
@@ -51,7 +51,6 @@ STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(20, 24)
 COMPILED_ADVANCE, ADVANCE_CALLBACK = range(24, 26)
 SIZE = 26
 CALLED_BACK = -1
-ENVIRONMENT_SHAPE = (SENSOR + 1, JOINTS)
 CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
 SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
 NO_COMMANDS = np.empty((0, JOINTS))

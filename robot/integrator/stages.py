@@ -6,7 +6,7 @@ mode for one ``sample`` a control period and several ``substep``.
 
 from __future__ import annotations
 
-from math import ceil, floor, inf
+from math import inf
 
 from slidetune.robot.environment.external_torque import (
     changes_within_a_step,
@@ -16,6 +16,7 @@ from slidetune.robot.environment.external_torque import (
 from slidetune.robot.environment.layout import LIMIT
 from slidetune.robot.environment.sensor import measure
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.integrator.drive import drive, lags
 from slidetune.robot.integrator.implicit_step import (
     REFUSED,
     STUCK,
@@ -40,6 +41,7 @@ from slidetune.robot.integrator.kernel_arrays import (
 from slidetune.robot.kernels.compiler import inlined, kernel, part
 from slidetune.robot.kernels.workspace import (
     APPLIED,
+    COMMAND,
     CURRENT,
     DISTURBANCE,
     DISTURBANCE_HALF,
@@ -272,24 +274,30 @@ def sample(t, number, row, table):  # type: ignore[no-untyped-def]
 
 @part
 def _hold(number, index, table):  # type: ignore[no-untyped-def]
-    """Write the torque that reaches the joints in a step of the arm to APPLIED [N m].
+    """Write the mean torque of the joints in a step of the arm to APPLIED [N m].
 
-    A torque reaches them ``input_delay`` after its measurement. Where that is within a step, the
-    step is made under the mean of both torques: their impulse is exact, and what the angle lacks is
-    of the step's own order.
+    A torque reaches their drives ``input_delay`` after its measurement. Where that is within a
+    step, the step is made under the mean of both torques: their impulse is exact, and what the
+    angle lacks is of the step's own order.
     """
     commands, periods, substeps = delay_line(table)
-    _, _, _, _, work, _ = loop_arrays(table)
-    split, arrived = floor(substeps), ceil(substeps)
+    _, _, environment, _, work, _ = loop_arrays(table)
     before = commands[(number - periods - 1) % len(commands)]
     after = commands[(number - periods) % len(commands)]
+    late = min(max(substeps - index, 0.0), 1.0)
+    if not lags(environment):
+        for j in range(JOINTS):
+            work[APPLIED, j] = late * before[j] + (1.0 - late) * after[j]
+        return
+    h, _, _ = settings(table)
     for j in range(JOINTS):
-        if index >= arrived:
-            work[APPLIED, j] = after[j]
-        elif index == split:
-            work[APPLIED, j] = before[j] + (arrived - substeps) * (after[j] - before[j])
-        else:
-            work[APPLIED, j] = before[j]
+        work[APPLIED, j], work[COMMAND, j] = 0.0, before[j]
+    if late > 0.0:
+        drive(late * h, late, environment, work)
+    for j in range(JOINTS):
+        work[COMMAND, j] = after[j]
+    if late < 1.0:
+        drive((1.0 - late) * h, 1.0 - late, environment, work)
 
 
 @kernel

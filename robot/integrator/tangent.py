@@ -9,13 +9,14 @@ from __future__ import annotations
 from math import inf, tanh
 
 from slidetune.robot.environment.external_torque import COULOMB_WIDTH
-from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, KINKS, LIMIT
+from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, KINKS, LAGS, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import reaching_at, shaped_reaching
 from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.elimination import solve_symmetric
 from slidetune.robot.kernels.workspace import (
     AD,
+    CARRIED,
     CURVE,
     DIAGONAL,
     F_SLOPE,
@@ -38,6 +39,7 @@ from slidetune.robot.kernels.workspace import (
     TAU,
     TRIAL,
     VD,
+    WITHHELD,
     YIELD,
     F,
     S,
@@ -84,10 +86,13 @@ def fill(h, state, inertia, bias, work):  # type: ignore[no-untyped-def]
         fall = h * (s_v + h * s_e)
         ahead = h * (s_v * work[AD, i] + s_e * (work[VD, i] - work[state + V, i]))
         gain = h * slope if shaped else h * slope + work[GAIN, i]
-        diagonal += gain * fall
+        withheld = work[WITHHELD, i]
+        diagonal += gain * fall - withheld * (gain * fall)
         work[MATRIX + i, i] = work[DIAGONAL, i] = diagonal
         learning = h * (slope * work[S, i] - work[LEAKAGE, i] * work[NETWORK, i])
-        work[RIGHT, i] = work[TAU, i] - lost + learning + gain * ahead
+        torque = learning + gain * ahead
+        late = work[CARRIED, i] - withheld * (work[TAU, i] + torque)
+        work[RIGHT, i] = work[TAU, i] - lost + torque + late
         work[S_FREE, i], work[S_FALL, i] = work[S, i] + ahead, fall
     if shaped:
         _shape(work)
@@ -98,7 +103,7 @@ def _shape(work):  # type: ignore[no-untyped-def]
     """Add damping and stiffness that SHAPE spreads over all joints."""
     for i in range(JOINTS):
         for j in range(JOINTS):
-            gain = work[SHAPE + i, j] * work[GAIN, j]
+            gain = (1.0 - work[WITHHELD, i]) * work[SHAPE + i, j] * work[GAIN, j]
             work[MATRIX + i, j] += gain * work[S_FALL, j]
             work[RIGHT, i] += gain * (work[S_FREE, j] - work[S, j])
         work[DIAGONAL, i] = work[MATRIX + i, i]
@@ -223,7 +228,7 @@ def follow_tanh(h, inertia, bias, environment, work):  # type: ignore[no-untyped
         work: workspace with what ``fill`` wrote and the first solution in RIGHT [rad/s^2], which
             becomes the answer.
     """
-    if int(environment[COMMON, BITS]) & KINKS or work[FLAGS, HOLD] != 0.0:
+    if int(environment[COMMON, BITS]) & (KINKS | LAGS) or work[FLAGS, HOLD] != 0.0:
         return False
     if work[CURVE + CODES, IS_REACHING] == 0.0 or work[FLAGS, SHAPED] != 0.0:
         return False

@@ -17,7 +17,9 @@ NODES = 10
 Q = 0  # joint angle [rad]
 V = 1  # joint velocity [rad/s]
 W = 2  # network weights, NODES rows
-STATE_ROWS = 2 + NODES
+DELIVERED = W + NODES  # torque at the joint, behind a drive with a lag [N m]
+BETWEEN = DELIVERED + 1  # torque between two lags in series [N m]
+STATE_ROWS = W + NODES + 2
 
 CURRENT = 0  # state at the beginning of the step
 FULL = STATE_ROWS  # after one whole step
@@ -55,7 +57,7 @@ TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
-CURVED = 4  # column of FLAGS: whether the curves were solved, not their tangents
+CURVED = 4  # column of FLAGS: how the step was solved: BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
 PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
@@ -78,7 +80,9 @@ KEPT = RIGHT + 13  # share of a weight that a step leaves [-]
 TRIAL = RIGHT + 14  # a backup of LOAD while a Newton step is tried [N m]
 DISTURBANCE = RIGHT + 15  # mean of the disturbance over the step, less the push [N m]
 DISTURBANCE_HALF = RIGHT + 16  # the same over its first half, where that differs [N m]
-COMMAND = RIGHT + 17  # the controller's torque at the end of the step, within its limit [N m]
+WITHHELD = RIGHT + 17  # share of a command that a lag does not deliver within the step [-]
+CARRIED = RIGHT + 18  # what it delivers in its place, of the torques before [N m]
+COMMAND = RIGHT + 19  # the controller's torque at the end of the step, within its limit [N m]
 
 # --- what a lane remembers of its steps ----------------------------------------------------------
 CHANGE_Q = COMMAND + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from math import ceil, log10
+from math import ceil, log, log10
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ LOOSER = 8.0
 the third power of its length, so that the second run is cut into pieces twice as long."""
 ROUGH = 0.02
 """Share of rows that were not cut far enough from which on a run says so in words (*ours*)."""
+MATTERS = 3.0
+"""By what power of e a deviation grows over a run from which on it counts (*ours*)."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 
@@ -88,8 +90,33 @@ def difference(q: Array, other: Array) -> float:
     return float(apart[both].max()) if both.any() else 0.0
 
 
+def damped_growth(simulation: Simulation, mode: complex) -> float:
+    """Return the growth in [1/s] of a loop that its steps hide, else 0.
+
+    An implicit step damps what it can't follow, and no estimate of its error sees that as long as
+    the deviation is below the tolerance.
+
+    Args:
+        simulation: step and scheme.
+        mode: the mode in [1/s] of the loop that grows fastest.
+    """
+    if mode.real < MATTERS / simulation.horizon:
+        return 0.0
+    z = simulation.step * mode
+    gain = 1.0 / (1.0 - z)
+    if simulation.scheme == "extrapolated":
+        gain = 2.0 / (1.0 - 0.5 * z) ** 2 - gain
+    grows = log(max(abs(gain), 1e-300)) / simulation.step
+    return mode.real if grows < 0.5 * mode.real else 0.0
+
+
 def judge(
-    experiment: Experiment, error: float | None, unconverged: int, left: float, capped: int
+    experiment: Experiment,
+    error: float | None,
+    unconverged: int,
+    left: float,
+    capped: int,
+    damped: float = 0.0,
 ) -> Accuracy:
     """Return the accuracy of a lane, with words where it is not good.
 
@@ -99,6 +126,7 @@ def judge(
         unconverged: steps whose equation was not solved to its tolerance.
         left: what those left of a velocity at most in [rad/s].
         capped: rows whose step was not cut as far as its own error asked.
+        damped: growth in [1/s] that the steps may hide; see ``damped_growth``.
     """
     texts, patch = [], None
     if unconverged:
@@ -111,6 +139,12 @@ def judge(
         texts.append(
             f"{capped} rows were not subdivided as far as their local error requires: the error "
             "may be larger than estimated."
+        )
+    if damped:
+        texts.append(
+            "With this lag of the drives the loop is unstable: deviations grow by a factor "
+            f"e^(t·{damped:.3g}/s). Steps of {1e3 * simulation.step:g} ms damp that: the loop may "
+            "seem steadier than it is."
         )
     if error is not None and error > GOOD:
         texts.append(f"The estimated error of the angles is up to {error:.1g} rad.")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS, Section
@@ -38,7 +39,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.laws import LAWS
-from slidetune.robot.loop.steps import Step, bind_step, torques_on_the_way
+from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
 from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
 from slidetune.robot.motion.trajectory import reference
 
@@ -88,7 +89,7 @@ class LaneState:
     """All that the next steps of a lane depend on besides the experiment.
 
     Attributes:
-        state: angles, velocities and weights. Shape (12, 6).
+        state: angles, velocities, weights and torques of the drives. Shape (14, 6).
         memory: what the step before left for the next one. Shape (3, 6).
         torque: torque of the step before in [N m]. Shape (6,).
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
@@ -179,6 +180,7 @@ class Lane:
         self._begin_memory(memory_of(gains))
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
+        begin_drives(packed, self.work)
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)
@@ -259,13 +261,19 @@ class Lane:
             f"Joint {joint} left its bounds (±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s) "
             f"at {time:.3f} s."
         )
-        simulation = packed.experiment.simulation
+        simulation, lag = packed.experiment.simulation, bool(np.any(packed.environment[LAG]))
         if simulation.mode == "sampled":
             margin = margin_at(packed, self.name, time)
             if not margin.holds and is_stable_unsampled(packed, self.name, time):
-                cause += _too_fast(simulation, margin)
+                cause += _too_fast(simulation, lag, margin)
                 self.freeze = Freeze(time, joint, cause, margin.gamma, margin.radius)
                 return
+        if (
+            lag
+            and not is_stable_unsampled(packed, self.name, time)
+            and is_stable_unsampled(packed, self.name, time, lag=False)
+        ):
+            cause += " The gains are too high for this lag of the drives, at any control rate."
         cause += " Change the gains or reduce the disturbance, then reset."
         self.freeze = Freeze(time, joint, cause)
 
@@ -298,10 +306,12 @@ def _replace_broken(values: Array, known: Array) -> None:
     values[broken] = known[broken]
 
 
-def _too_fast(simulation: Simulation, margin: Margin) -> str:
+def _too_fast(simulation: Simulation, lag: bool, margin: Margin) -> str:
     """Say in words what a sampled loop of that margin would take."""
-    late = " and this input delay" if simulation.input_delay else ""
-    cause = f" The gains are too high for {simulation.control_rate:g} Hz{late}"
+    reasons = [f"{simulation.control_rate:g} Hz"]
+    reasons += ["this input delay"] if simulation.input_delay else []
+    reasons += ["this lag of the drives"] if lag else []
+    cause = f" The gains are too high for {' and '.join(reasons)}"
     if margin.radius is None:
         return f"{cause}, even without sign(S). Lower them or raise the control rate, then reset."
     cause += f": deviations grow by a factor ρ = {margin.radius:.4g} per sample"

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
@@ -20,6 +21,7 @@ from slidetune.robot.integrator.law_call import RAISED, checked
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     CAPPED,
+    CUT,
     LEFT,
     NODES,
     QD,
@@ -30,12 +32,20 @@ from slidetune.robot.kernels.workspace import (
     WORK_ROWS,
     W,
 )
-from slidetune.robot.loop.accuracy import LOOSER, Accuracy, difference, judge, second_run
+from slidetune.robot.loop.accuracy import (
+    LOOSER,
+    Accuracy,
+    damped_growth,
+    difference,
+    judge,
+    second_run,
+)
 from slidetune.robot.loop.horizon import bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Freeze, Lane
 from slidetune.robot.loop.metrics import Metrics, measure_lane
 from slidetune.robot.loop.record_memory import record_of
 from slidetune.robot.margins.layer import layer_of
+from slidetune.robot.margins.margin import fastest_growth
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -204,8 +214,9 @@ def _accuracy(
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
     unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
-    error = None
+    error, damped = None, 0.0
     if other is not None:
+        damped = _damped_growth(lane, packed)
         _, stride, share = second_run(packed.experiment)
         second = _run_lane(lane.name, other, LOOSER, stop, tell)
         rows = lane.record[::stride, :JOINTS]
@@ -216,7 +227,17 @@ def _accuracy(
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
         # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
         error = float(error + left * packed.experiment.simulation.horizon)
-    return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
+    return judge(packed.experiment, error, int(unconverged), float(left), int(capped), damped)
+
+
+def _damped_growth(lane: Lane, packed: Packed) -> float:
+    """Return the growth that a lane's steps hide: only a loop with a lag has some so fast."""
+    simulation = packed.experiment.simulation
+    few = lane.work[TALLY, CUT] < 0.5 * simulation.rows
+    lagging = simulation.mode == "continuous" and bool(np.any(packed.environment[LAG]))
+    if not lagging or not few or lane.freeze is not None:
+        return 0.0
+    return damped_growth(simulation, fastest_growth(packed, lane.name))
 
 
 def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy) -> LaneRun:

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import Dynamics, dynamics
-from slidetune.robot.environment.layout import LIMIT, SENSOR, SENSOR_Q, SENSOR_V
+from slidetune.robot.environment.layout import BITS, COMMON, LAGS, LIMIT, SENSOR, SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import (
@@ -36,9 +36,11 @@ from slidetune.robot.integrator.stages import (
     substep,
 )
 from slidetune.robot.kernels.workspace import (
+    BETWEEN,
     CURRENT,
     CURVE,
     CURVE_ROWS,
+    DELIVERED,
     HALF,
     MEASURED_Q,
     MEASURED_V,
@@ -138,6 +140,21 @@ def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
         before = np.tile(work[TAU], (size, 1))
     bounded: Array = np.clip(before, -limit, limit)
     return bounded
+
+
+def begin_drives(packed: Packed, work: Array) -> None:
+    """Let drives that had no lag so far begin at the torque that they gave.
+
+    Args:
+        packed: the experiment as numbers.
+        work: the lane's workspace; one without lags is left without their torques.
+    """
+    limit, lagging = packed.environment[LIMIT], int(packed.environment[COMMON, BITS]) & LAGS
+    drives = work[DELIVERED : BETWEEN + 1]
+    if not lagging:
+        drives[:] = 0.0
+    elif not drives.any():
+        drives[:] = np.clip(work[TAU], -limit, limit)
 
 
 def measures_apart(law: Law, packed: Packed) -> bool:

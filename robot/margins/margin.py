@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.layout import LIMIT, SENSOR
+from slidetune.robot.environment.layout import BITS, COMMON, LAG, LAGS, LIMIT, SENSOR, TWO_LAGS
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
@@ -36,7 +36,7 @@ from slidetune.robot.kernels.workspace import (
     V,
 )
 from slidetune.robot.laws import LAWS
-from slidetune.robot.margins.period_map import MARGINAL, Around, PeriodMap, calm
+from slidetune.robot.margins.period_map import MARGINAL, UNSAMPLED, Around, PeriodMap, calm
 from slidetune.robot.motion.trajectory import QUINTIC, HoldTrajectory, reference
 
 Array = np.ndarray
@@ -45,10 +45,8 @@ MARGIN_LIMIT = 2.0
 """An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
 _POSES = 12
 """Instants along the desired motion at which the loop is looked at (*ours*)."""
-_UNSAMPLED = 1e7
-"""Control rate in [Hz] that stands for continuous time (*ours*)."""
-_SLOW = 0.05
-"""Growth in [1/s] that differences can't tell from none at that rate (*ours*)."""
+_SPARSE = 4
+"""Of so many instants one is looked at where it has to be quick (*ours*)."""
 _FACTORS = 2.0 ** np.arange(1, 31)
 """By how much reaching gains are multiplied or divided in search of the limit (*ours*)."""
 _MUCH = 10
@@ -325,7 +323,15 @@ def is_stable(packed: Packed, name: str) -> bool:
     )
 
 
-def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
+def without_lag(packed: Packed) -> Packed:
+    """Return the experiment with drives that have no lag."""
+    environment = packed.environment.copy()
+    environment[LAG] = 0.0
+    environment[COMMON, BITS] = int(environment[COMMON, BITS]) & ~(LAGS | TWO_LAGS)
+    return replace(packed, environment=environment)
+
+
+def is_stable_unsampled(packed: Packed, name: str, time: float, lag: bool = True) -> bool:
     """Tell whether a loop would be stable at a rate past all layers and without a delay.
 
     Then it is the sampling that makes it diverge; else no control rate is to blame.
@@ -334,13 +340,35 @@ def is_stable_unsampled(packed: Packed, name: str, time: float) -> bool:
         packed: the experiment as numbers.
         name: the lane.
         time: when along the desired motion, in [s].
+        lag: whether its drives keep their lag.
     """
-    simulation = packed.experiment.simulation.model_copy(update={"input_delay": 0.0})
-    prompt = packed.experiment.model_copy(update={"simulation": simulation})
-    fast = at_rate(replace(packed, experiment=prompt), _UNSAMPLED)
-    if _switches(packed, name, "implicit"):  # which without a period is sign
-        fast = with_lane(fast, name, switching="sign")
-    return (period_map(fast, name, time).radius() - 1.0) * _UNSAMPLED < _SLOW
+    if not lag:
+        packed = without_lag(packed)
+    return period_map(as_if_unsampled(packed), name, time).stable()
+
+
+def as_if_unsampled(packed: Packed) -> Packed:
+    """Return an experiment as a sampled one whose period and delay no longer count."""
+    for name in packed.experiment.lanes:
+        if _switches(packed, name, "implicit"):  # which without a period is sign
+            packed = with_lane(packed, name, switching="sign")
+    patch = {"mode": "sampled", "control_rate": UNSAMPLED, "input_delay": 0.0}
+    simulation = packed.experiment.simulation.model_copy(update=patch)
+    experiment = packed.experiment.model_copy(update={"simulation": simulation})
+    return replace(packed, experiment=experiment)
+
+
+def fastest_growth(packed: Packed, name: str) -> complex:
+    """Return the mode in [1/s] of a loop in continuous time that grows fastest, or dies out last.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+    """
+    continuous = as_if_unsampled(packed)
+    instants = _instants(packed)[::_SPARSE].tolist()
+    modes = [period_map(continuous, name, time).mode() for time in instants]
+    return max(modes, key=lambda mode: mode.real)
 
 
 def with_lane(packed: Packed, name: str, **gains: Any) -> Packed:

@@ -12,7 +12,18 @@ import numpy as np
 
 from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.environment.external_torque import external_torque
-from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, LIMIT, LIMITS, RUBS, SENSOR
+from slidetune.robot.environment.layout import (
+    BITS,
+    COMMON,
+    COULOMB,
+    LAG,
+    LAGS,
+    LIMIT,
+    LIMITS,
+    RUBS,
+    SENSOR,
+    TWO_LAGS,
+)
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
@@ -47,6 +58,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.laws import LAWS
+from slidetune.robot.margins.drives import Drives
 from slidetune.robot.margins.observer_state import begin_observer, observer_rows
 from slidetune.robot.motion.trajectory import reference
 
@@ -57,6 +69,11 @@ ANGLE, VELOCITY, TORQUE = 1e-6, 1e-6, 1e-2
 MARGINAL = 1e-6
 """By how much a spectral radius may be above 1 (*ours*): a state that nothing moves, such as an
 angle that nothing pulls back, stands at 1, and differences know it no better."""
+UNSAMPLED = 1e7
+"""Control rate in [Hz] that stands for continuous time (*ours*)."""
+INSTANT = 2e-5
+"""Time in [s] over which growth is told there (*ours*): differences can't tell 0.05 1/s from none,
+which is ``MARGINAL`` in that time."""
 WITHIN = 1e-3
 """Share of the boundary layer by which the law's map is taken (*ours*)."""
 _LONGEST = 8
@@ -105,8 +122,8 @@ class PeriodMap:
 
     .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
 
-    x: deviations of angle, velocity, of the weights along the hidden outputs or of what an observer
-    remembers; u: torque.
+    x: deviations of angle, velocity, of the torques of drives with a lag, of the weights along the
+    hidden outputs, and of what an observer remembers; u: the commanded torque.
 
     Attributes:
         own: A: arm and learning without the torque. Shape (m, m).
@@ -128,8 +145,26 @@ class PeriodMap:
     delay: int
     timing: Timing
 
+    @property
+    def continuous(self) -> bool:
+        """Whether its period is so short that it stands for continuous time."""
+        return self.timing.period * UNSAMPLED < 1.0 + 1e-6
+
+    def mode(self, proportional: float = 1.0, switching: float = 1.0) -> complex:
+        """Return the mode in [1/s] that grows fastest in continuous time, or dies out last."""
+        values = np.linalg.eigvals(self._whole(proportional, switching))
+        rates = (values - 1.0) / self.timing.period
+        return complex(rates[np.argmax(rates.real)])
+
     def radius(self, proportional: float = 1.0, switching: float = 1.0) -> float:
-        """Return the spectral radius, with the two parts of the reaching law so many times."""
+        """Return the spectral radius, with the two parts of the reaching law so many times.
+
+        In continuous time it is that of ``INSTANT``: a period so short turns a swing so little
+        that what the hold adds to its growth would count, which goes with the period.
+        """
+        if self.continuous:
+            growth = self.mode(proportional, switching).real * INSTANT
+            return float(np.exp(min(growth, 700.0)))
         largest = float(np.abs(np.linalg.eigvals(self._whole(proportional, switching))).max())
         return float(largest ** (1.0 / self.timing.periods))
 
@@ -200,6 +235,9 @@ class Around:
         self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
         work[FLAGS, PERIOD] = cut.period
+        bits = int(packed.environment[COMMON, BITS])
+        self._lags = 2 if bits & TWO_LAGS else 1 if bits & LAGS else 0
+        self._arm_size = (2 + self._lags) * JOINTS
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
@@ -278,8 +316,8 @@ class Around:
 
     def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
         """Return slopes of learning, of the rest of the torque and of its reaching law."""
-        learnt, memory = len(self.learning), len(self._memory) * JOINTS
-        size, held = 2 * JOINTS + learnt + memory, self._weights
+        first, held, known = self._arm_size, self._weights, self._arm_size + len(self.learning)
+        size = known + len(self._memory) * JOINTS
         learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
         start = self.v - error
         self._ask(self.q, start)
@@ -289,11 +327,10 @@ class Around:
             [
                 np.minimum(ANGLE, WITHIN * layer / np.maximum(s_e, 1e-9)),
                 np.minimum(VELOCITY, WITHIN * layer / s_v),
-                np.full(learnt, TORQUE),
-                np.full(memory, TORQUE),
+                np.full(size - 2 * JOINTS, TORQUE),
             ]
         )
-        for column in range(size):
+        for column in (*range(2 * JOINTS), *range(first, size)):  # no law sees what a drive gives
             found = []
             for side in (by[column], -by[column]):
                 q, v = self.q.copy(), start.copy()
@@ -302,12 +339,12 @@ class Around:
                     q[column] += side
                 elif column < 2 * JOINTS:
                     v[column - JOINTS] += side
-                elif column >= 2 * JOINTS + learnt:
-                    row, joint = divmod(column - 2 * JOINTS - learnt, JOINTS)
+                elif column >= known:
+                    row, joint = divmod(column - known, JOINTS)
                     self._weights = held.copy()
                     self._weights[self._memory[row], joint] += side
                 else:
-                    joint = self.learning[column - 2 * JOINTS]
+                    joint = self.learning[column - first]
                     self._weights = held.copy()
                     self._weights[:, joint] += side * self._along[:, joint]
                 self._ask(q, v)
@@ -316,7 +353,7 @@ class Around:
                 (high - low) / (2.0 * by[column]) for high, low in zip(*found, strict=True)
             )
             rest[:, column], reach[:, column] = torque - reached, reached
-            learning[2 * JOINTS :, column] = weights
+            learning[first:, column] = weights
         self._weights = held
         return learning, rest, reach
 
@@ -341,22 +378,6 @@ class Around:
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
         memory = work[CURRENT + W + self._memory].ravel()
         return work[TAU].copy(), reached, np.concatenate([moved[self.learning], memory])
-
-    def _arm_map(self, part: float) -> tuple[Array, Array, Array]:
-        """Return slopes of angle and velocity after one period over themselves and the torques.
-
-        Every step is the one at the period's beginning: a pose that went on while time stands
-        would let a loop without stiffness drift where the real one does not.
-        """
-        step, rest = self._arm_step(), np.eye(JOINTS, 3 * JOINTS, 2 * JOINTS)
-        held = np.vstack([step, rest])
-        both, steps, split = slice(0, 2 * JOINTS), self.timing.steps, int(part)
-        whole, later, latest = (
-            np.linalg.matrix_power(held, n)[both] for n in (steps, steps - split, steps - split - 1)
-        )
-        # The step within which the new torque arrives is made under the mean of both.
-        late = (later + part % 1.0 * (latest - later))[:, 2 * JOINTS :]
-        return whole[:, both], whole[:, 2 * JOINTS :] - late, late
 
     def _arm_step(self) -> Array:
         """Return slopes of angle and velocity after one step over themselves and the torque."""
@@ -388,9 +409,11 @@ class Around:
             self._gains[:] = outside
             _, _, proportional = self._law_map(error)
             self._gains[:] = within
-        size, both = len(learning), slice(0, 2 * JOINTS)
+        size, both = len(learning), slice(0, self._arm_size)
         own, early, late = learning, np.zeros((size, JOINTS)), np.zeros((size, JOINTS))
-        plant, early[both], late[both] = self._arm_map(part)
+        drives = Drives(self._packed.environment[LAG], self._lags)
+        found = drives.period(self._arm_step(), self.timing.step, self.timing.steps, part)
+        plant, early[both], late[both] = found
         own[both, both] += plant
         switching = reach - proportional
         return PeriodMap(own, late, early, rest, proportional, switching, int(whole), self.timing)

@@ -7,6 +7,8 @@ import random
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.errors import InvalidExperimentError
@@ -14,6 +16,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws import LAWS
 from tests.trust.random_experiment import Draw
 
@@ -100,6 +103,9 @@ def widely(seed: int) -> Document:
             drawn["robot"]["torque_limit"] = None
         if dice.random() < 2 / 3:
             drawn["robot"]["payload"]["mass"] = 0.0
+        lag = np.broadcast_to(drawn["robot"]["lag"], JOINTS)
+        # The reference has a lag at every joint or at none.
+        drawn["robot"]["lag"] = np.maximum(lag, 2e-4).tolist() if dice.random() < 0.5 else 0.0
         drawn["disturbance"]["pulse"]["start"] = dice.uniform(0.0, 1.0)
         try:
             experiment = Experiment.from_document(drawn)

@@ -1,8 +1,8 @@
 """The closed loop of the reference: its right-hand side and that one's exact Jacobian.
 
-State: six angles, six velocities and, where a law has a network, ten weights a joint. Equations:
-``Liu et al. 2025`` with the corrections of docs/notation.md, written anew. ``sign(S)`` is a
-saturation whose layer is so thin that it no longer matters.
+State: six angles, six velocities, where a law has a network ten weights a joint, and six torques
+for each lag of the drives. Equations: ``Liu et al. 2025`` with the corrections of docs/notation.md,
+written anew. ``sign(S)`` is a saturation whose layer is so thin that it no longer matters.
 """
 
 from __future__ import annotations
@@ -65,7 +65,12 @@ class Loop:
         q_d, v_d, _ = self.motion(0.0)
         still = simulation["initial_velocity"] == "rest"
         q, v = q_d - _wide(simulation["initial_error"]), 0.0 * v_d if still else v_d
-        self.start = np.concatenate([q, v, np.zeros(NODES * JOINTS if self.network else 0)])
+        self.lag = _wide(robot["lag"])
+        self.lags = {"first": 1, "second": 2}[robot["lag_order"]] if self.lag.any() else 0
+        if self.lags and not self.lag.all():
+            raise ValueError("the reference has a lag at every joint or at none")
+        weights = NODES * JOINTS if self.network else 0
+        self.start = np.concatenate([q, v, np.zeros(weights + self.lags * JOINTS)])
 
     def _surface(self, e: Array, de: Array) -> tuple[Array, Array, Array, Array]:
         """Return S, its slopes over e and de, and de times the second slope over de."""
@@ -121,7 +126,7 @@ class Loop:
         s, s_e, s_v, bent = self._surface(e, de)
         reached, gain = self._reaching(s)
         if self.network:
-            weights = y[2 * JOINTS :].reshape(NODES, JOINTS)
+            weights = self._weights(y)
             hidden, tilt = self._hidden(q, q_d)
             f, f_q = (weights * hidden).sum(axis=0), (weights * tilt).sum(axis=0)
             over_q, over_v = np.diag(f_q - gain * s_e), np.diag(-gain * s_v)
@@ -152,27 +157,40 @@ class Loop:
         tau = np.array(data.tau)
         return {"tau": tau, "q": dq - M * over_e, "v": dv - M * over_de}
 
+    def _weights(self, y: Array) -> Array:
+        weights: Array = y[2 * JOINTS : (2 + NODES) * JOINTS].reshape(NODES, JOINTS)
+        return weights
+
+    def drives(self, y: Array) -> Array:
+        """Return the torques of the lags, from the command to the joint. Shape (0 to 2, 6)."""
+        torques: Array = y[len(y) - self.lags * JOINTS :].reshape(self.lags, JOINTS)
+        return torques
+
     def rate(self, t: float, y: Array) -> Array:
         """Return dy/dt."""
         q, v = y[:JOINTS], y[JOINTS : 2 * JOINTS]
         law = self.torque(t, y)
         given = np.clip(law["tau"], -self.limit, self.limit)
+        late = []
+        for torque in self.drives(y):
+            late.append((given - torque) / self.lag)
+            given = torque
         lost = self.disturbance(t, self.within) + self.viscous * v
         lost = lost + self.coulomb * np.tanh(v / COULOMB_WIDTH)
         a = pin.aba(self.model, self.data, q, v, given - lost)
         if not self.network:
-            return np.concatenate([v, a])
+            return np.concatenate([v, a, *late])
         phi, sigma = _wide(self.lane["learning_rate"]), _wide(self.lane["leakage"])
-        weights = y[2 * JOINTS :].reshape(NODES, JOINTS)
-        learned = phi * law["hidden"] * law["S"] - sigma * weights
-        return np.concatenate([v, a, learned.ravel()])
+        learned = phi * law["hidden"] * law["S"] - sigma * self._weights(y)
+        return np.concatenate([v, a, learned.ravel(), *late])
 
     def jacobian(self, t: float, y: Array) -> Array:
         """Return the slopes of ``rate`` over the state. Shape (n, n)."""
         q, v = y[:JOINTS], y[JOINTS : 2 * JOINTS]
         law = self.torque(t, y)
         free = (np.abs(law["tau"]) <= self.limit)[:, None]
-        given = np.clip(law["tau"], -self.limit, self.limit)
+        command = np.clip(law["tau"], -self.limit, self.limit)
+        given = self.drives(y)[-1] if self.lags else command
         rubbing = np.tanh(v / COULOMB_WIDTH)
         lost = self.disturbance(t, self.within) + self.viscous * v + self.coulomb * rubbing
         a_q, a_v, inverse = pin.computeABADerivatives(self.model, self.data, q, v, given - lost)
@@ -181,15 +199,28 @@ class Loop:
         out = np.zeros((len(y), len(y)))
         one, two = slice(0, JOINTS), slice(JOINTS, 2 * JOINTS)
         out[one, two] = _EYE
-        out[two, one] = a_q + inverse @ (free * law["q"])
-        out[two, two] = a_v + inverse @ (free * law["v"] - damping)
+        # Where the command goes, and by how much it moves what is there.
+        size = len(y) - self.lags * JOINTS
+        at, by = (
+            (slice(size, size + JOINTS), np.diag(1.0 / self.lag)) if self.lags else (two, inverse)
+        )
+        out[two, one], out[two, two] = a_q, a_v - inverse @ damping
+        out[at, one] += by @ (free * law["q"])
+        out[at, two] += by @ (free * law["v"])
+        for n in range(self.lags):
+            rows = slice(size + n * JOINTS, size + (n + 1) * JOINTS)
+            out[rows, rows] = -np.diag(1.0 / self.lag)
+            if n:
+                out[rows, size : size + JOINTS] = np.diag(1.0 / self.lag)
+        if self.lags:
+            out[two, len(y) - JOINTS :] = inverse
         if not self.network:
             return out
         phi, sigma = _wide(self.lane["learning_rate"]), _wide(self.lane["leakage"])
         hidden, tilt = law["hidden"], law["tilt"]
         for n in range(NODES):
             rows = slice((2 + n) * JOINTS, (3 + n) * JOINTS)
-            out[two, rows] = inverse * (free[:, 0] * hidden[n])
+            out[at, rows] = by * (free[:, 0] * hidden[n])
             over_q = phi * (tilt[n] * law["S"] - hidden[n] * law["s_e"])
             out[rows, one] = np.diag(over_q)
             out[rows, two] = np.diag(-phi * hidden[n] * law["s_v"])

@@ -18,7 +18,7 @@ def solve_sampled(document: dict[str, Any], rtol: float = 1e-9) -> Array:
     """Return the angles at every sample in [rad], NaN after a joint left its bounds. Shape (n, 6).
 
     The torque of a sample reaches the joints exactly ``input_delay`` after it; between two arrivals
-    the arm is a smooth differential equation.
+    the arm and its drives are a smooth differential equation.
 
     Args:
         document: an experiment of one lane as plain values, complete; its law has no network.
@@ -32,10 +32,14 @@ def solve_sampled(document: dict[str, Any], rtol: float = 1e-9) -> Array:
     y, torque = loop.start, np.zeros(JOINTS)
 
     def rate(t: float, y: Array) -> Array:
-        v = y[JOINTS:]
+        v, given, late = y[JOINTS : 2 * JOINTS], torque, []
+        for delivered in loop.drives(y):
+            late.append((given - delivered) / loop.lag)
+            given = delivered
         lost = loop.disturbance(t, loop.within) + loop.viscous * v
         lost = lost + loop.coulomb * np.tanh(v / COULOMB_WIDTH)
-        return np.concatenate([v, pin.aba(loop.model, loop.data, y[:JOINTS], v, torque - lost)])
+        a = pin.aba(loop.model, loop.data, y[:JOINTS], v, given - lost)
+        return np.concatenate([v, a, *late])
 
     for sample in range(samples + 1):
         t, end = sample * period, (sample + 1) * period
@@ -52,6 +56,6 @@ def solve_sampled(document: dict[str, Any], rtol: float = 1e-9) -> Array:
             loop.within = 0.5 * (t + until)
             found = solve_ivp(rate, (t, until), y, "DOP853", rtol=rtol, atol=0.01 * rtol)
             t, y = until, found.y[:, -1]
-        if not np.abs(y).max() < 100.0:
+        if not np.abs(y[: 2 * JOINTS]).max() < 100.0:
             break
     return q

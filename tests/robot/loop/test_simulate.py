@@ -43,6 +43,7 @@ BUSY: dict[str, Any] = {
         "viscous_friction": 1.0,
         "coulomb_friction": 1.0,
         "torque_limit": [25.0] * JOINTS,
+        "lag": 0.002,
         "payload": {"mass": 2.0, "center": [0.02, 0.03, 0.1]},
     },
     "lanes": {
@@ -130,11 +131,12 @@ def test_seed_is_without_effect_where_nothing_is_random() -> None:
 
 
 @pytest.mark.parametrize(
-    "field", ["armature", "viscous_friction", "coulomb_friction", "torque_limit"]
+    "field", ["armature", "viscous_friction", "coulomb_friction", "torque_limit", "lag"]
 )
 def test_six_equal_numbers_are_one(field: str) -> None:
     experiment = experiment_of(BUSY)
-    one = experiment.patched({"robot": {field: 20.0 if field == "torque_limit" else 0.7}})
+    number = {"torque_limit": 20.0, "lag": 0.003}.get(field, 0.7)
+    one = experiment.patched({"robot": {field: number}})
     value = getattr(one.robot, field)
     assert same(simulate(one), simulate(one.patched({"robot": {field: [value] * JOINTS}})))
 

@@ -36,10 +36,16 @@ LANES: dict[str, dict[str, Any]] = {
 GAIN = {"computed_torque": "kd"}
 
 
-def sampled(lane: dict[str, Any], rate: float = 200.0, **simulation: Any) -> Experiment:
+def sampled(
+    lane: dict[str, Any],
+    rate: float = 200.0,
+    drive: dict[str, Any] | None = None,
+    **simulation: Any,
+) -> Experiment:
     """A lane that holds a pose, a hair's breadth aside."""
+    robot = {"inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15]}
     document = {
-        "robot": {"inertials": "datasheet", "armature": [0.6, 0.6, 0.6, 0.15, 0.15, 0.15]},
+        "robot": {**robot, **(drive or {})},
         "lanes": {"A": {"law": "smc", **lane}},
         # Hanging down: nothing has to be learnt before it is held.
         "trajectory": {"kind": "hold", "position": [0.0, -0.5 * np.pi, 0.0, 0.0, 0.0, 0.0]},
@@ -75,11 +81,11 @@ def growth(experiment: Experiment) -> float:
     return float((higher / high) ** (2.0 / max(last - first, 1)))
 
 
-def border(law: str, find: Any, **simulation: Any) -> float:
+def border(law: str, find: Any, low: float = 8.0, **simulation: Any) -> float:
     """Return the gain at which ``find(experiment)`` passes 1, by bisection."""
     lane = {"law": law, **LANES[law]}
     key = GAIN.get(lane["law"], "k1")
-    low, high = 8.0, 400.0 if key == "kd" else 1000.0
+    high = 400.0 if key == "kd" else 1000.0
     # Gains that are too weak grow as well, slowly: a bisection from there would find nothing.
     assert find(sampled({**lane, key: low}, **simulation)) <= 1.0
     assert find(sampled({**lane, key: high}, **simulation)) > 1.0
@@ -113,6 +119,21 @@ def test_the_border_is_where_the_sampled_loop_begins_to_diverge(
         return growth(experiment)
 
     said, seen = (border(law, find, **simulation) for find in (radius, diverges))
+    assert said == pytest.approx(seen, rel=0.02)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.63])
+@pytest.mark.parametrize("order", ["first", "second"])
+@pytest.mark.parametrize("lag", [0.0005, 0.004, [0.002, 0.003, 0.004, 0.005, 0.01, 0.0]])
+@pytest.mark.parametrize("law", ["smc", "rbfnn_nftsm"])
+def test_the_border_knows_the_lag_of_the_drives(
+    law: str, lag: Any, order: str, delay: float
+) -> None:
+    rate = 200.0
+    drive = {"lag": lag, "lag_order": order}
+    # A lag remembers: what is no longer there at last takes longer to leave.
+    simulation = {"rate": rate, "input_delay": delay / rate, "horizon": 1600.0 / rate}
+    said, seen = (border(law, find, 6.0, drive=drive, **simulation) for find in (radius, growth))
     assert said == pytest.approx(seen, rel=0.02)
 
 
@@ -170,10 +191,13 @@ def drawn(seed: int) -> Experiment:
         lane |= {"learning_rate": log(1.0, 1000.0), "width": log(0.3, 30.0)}
         lane |= {"leakage": random.choice([0.0, 2.0]).item()}
     rate = log(61.0, 2000.0)
+    delay = float(random.choice([0.0, 0.5, 1.0, 2.0, 3.0])) / rate
+    lag = float(random.choice([0.0, 0.0, log(0.0005, 0.01)]))
     return sampled(
         lane,
         rate,
-        input_delay=float(random.choice([0.0, 0.5, 1.0, 2.0, 3.0])) / rate,
+        drive={"lag": lag, "lag_order": random.choice(["first", "second"]).item()},
+        input_delay=delay,
         plant_substeps=4,
         initial_error=1e-7,
     )
@@ -202,13 +226,13 @@ def test_no_loop_is_falsely_called_stable(part: int) -> None:
         settled = settles(experiment)
         stable += settled is not None
         assert settled is not False, (seed, experiment.lanes)
-    assert stable > 2
+    assert stable > 1
 
 
 def offers(law: str) -> list[tuple[Packed, Packed]]:
     """Return loops that are not stable, and what they become with what is offered."""
     found = []
-    for seed in range(25):
+    for seed in range(100 if law == "computed_torque" else 25):
         experiment = drawn(1000 + 5 * seed + list(LAWS).index(law))
         packed = pack(experiment)
         if is_stable(packed, "A"):
