@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slidetune.robot.advice.implicit_switching import implicit_switching
+from slidetune.robot.advice.margin_words import instability, other_gains, short, span
 from slidetune.robot.advice.sampled_arm import sampled_arm
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
 from slidetune.robot.advice.torque_need import initial_torque, required_torque, start
@@ -20,14 +21,7 @@ from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import JOINTS, bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 from slidetune.robot.laws.terms.network import NetworkGains
-from slidetune.robot.margins.margin import (
-    Margin,
-    as_if_unsampled,
-    is_stable,
-    loop_margin,
-    with_lane,
-)
-from slidetune.robot.margins.period_map import INSTANT
+from slidetune.robot.margins.margin import as_if_unsampled, is_stable, loop_margin, with_lane
 
 Array = np.ndarray
 
@@ -75,7 +69,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     late = [" delay"] if sampled and simulation.input_delay else []
     late += [" lag of the drives"] if lag else []
     expected = "a limit cycle" if margin.bounded else "divergence"
-    rule = f"{_rule(margin, sampled, ' and this'.join(late))}: expect {expected}. "
+    rule = f"{instability(margin, sampled, ' and this'.join(late))}: expect {expected}. "
     where = "simulation.control_rate" if sampled else "robot.lag"
     if margin.radius is None:
         yield Advice("warning", where, f"{rule}Lower the other gains.")
@@ -85,7 +79,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     smooth = with_lane(packed, name, switching="tanh") if implicit else packed
     layer = sufficient_layer(smooth, name) if hasattr(lane, "epsilon") else None
     if layer is not None:
-        wide = f"{_span(layer)} rad/s"
+        wide = f"{span(layer)} rad/s"
         instead = f", or a control rate of {rate:g} Hz" if rate is not None else ""
         steep = lane.reaching != "power" and np.all(np.divide(lane.k2, lane.epsilon) > lane.k1)
         whose = "k₂/ε dominates. Stable" if steep and not implicit else "Stable"
@@ -96,7 +90,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
         return
     ways = [] if rate is None else [f"a control rate of {rate:g} Hz"]
     if not implicit:
-        ways += _other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
+        ways += other_gains(margin, bool(np.any(getattr(lane, "learning_rate", 0.0))))
     ways += [f"a shorter{one}" for one in late]
     fits = rate is not None and simulation.horizon * rate <= MAX_STEPS
     yield Advice(
@@ -115,46 +109,6 @@ def _sampled_arm(packed: Packed, name: str) -> Iterator[Advice]:
         )
 
 
-def _other_gains(margin: Margin, learns: bool) -> list[str]:
-    """Say in words which other gains would make a loop stable."""
-    if margin.gamma and margin.limit:
-        factor = margin.limit / margin.gamma
-        if factor > 1.0:
-            return [f"reaching gains {_short(1.01 * factor)} times higher"]
-        return [f"reaching gains {_short(1.01 / factor)} times lower"]
-    return ["lower surface gains"] + (["a lower learning rate"] if learns else [])
-
-
-def _rule(margin: Margin, sampled: bool, late: str) -> str:
-    """Say in words why a loop is not stable, with that delay and lag."""
-    delay = f" with this{late}" if late else ""
-    if margin.radius is None:
-        rate = " at this rate" if sampled else ""
-        return f"Even without sign(S), this loop is unstable{rate}{delay}"
-    if not sampled:
-        growth = np.log(margin.radius) / INSTANT
-        return f"With this{late}, deviations grow by up to a factor e^(t·{_short(growth)}/s)"
-    rule = f"Deviations grow by up to a factor ρ = {margin.radius:.5g} per sample"
-    if margin.gamma is None or margin.limit is None:
-        return rule
-    gamma = _short(margin.gamma)
-    if margin.limit == 0.0:
-        return f"{rule}, whatever the reaching gains (γ = {gamma})"
-    if margin.limit > margin.gamma:
-        return f"{rule}: the reaching gains are too low (γ = {gamma}{delay})"
-    return f"{rule} (γ = {gamma}, the limit of this loop{delay} is {_short(margin.limit)})"
-
-
-def _short(value: float) -> str:
-    """Return a number of three digits, without an exponent up to a million."""
-    return f"{float(f'{value:.3g}'):g}"
-
-
-def _span(values: float | list[float]) -> str:
-    low, high = float(np.min(values)), float(np.max(values))
-    return _short(low) if low == high else f"{_short(low)} to {_short(high)}"
-
-
 def _sign(packed: Packed, name: str) -> Iterator[Advice]:
     simulation, lane = packed.experiment.simulation, packed.experiment.lanes[name]
     if simulation.mode != "sampled":
@@ -169,11 +123,11 @@ def _sign(packed: Packed, name: str) -> Iterator[Advice]:
         if layer is None:
             return
         change["epsilon"] = layer
-    width = _span(change.get("epsilon", lane.epsilon))
+    width = span(change.get("epsilon", lane.epsilon))
     yield Advice(
         "info",
         field_path(("lanes", name, "switching")),
-        f"sign(S) makes the torque jump by 2k₂ = {_short(2.0 * np.max(lane.k2))} N·m up to "
+        f"sign(S) makes the torque jump by 2k₂ = {short(2.0 * np.max(lane.k2))} N·m up to "
         f"{simulation.control_rate:g} times per second: it chatters. tanh with ε = {width} rad/s "
         "is smooth at this rate.",
         {"lanes": {name: change}},
@@ -212,7 +166,7 @@ def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
     if constant <= horizon:
         return
     value = min(float(f"{nearest:.2g}"), bounds(type(lane), field)[1])
-    slow = f"{formula} = {_short(constant)} s, longer than the horizon of {horizon:g} s"
+    slow = f"{formula} = {short(constant)} s, longer than the horizon of {horizon:g} s"
     yield Advice(
         "info",
         field_path(("lanes", name, field)),
@@ -241,8 +195,8 @@ def _motion(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "warning",
         "robot.torque_limit",
-        f"The motion alone requires up to {_short(need[joint])} N·m at joint {joint + 1}, whose "
-        f"limit is {_short(limit[joint])} N·m: no gains can track it. Raise the limit, or make the "
+        f"The motion alone requires up to {short(need[joint])} N·m at joint {joint + 1}, whose "
+        f"limit is {short(limit[joint])} N·m: no gains can track it. Raise the limit, or make the "
         "motion slower or smaller.",
         higher if max(enough) <= 5000.0 else None,
     )
@@ -261,8 +215,8 @@ def _start(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "info",
         "robot.torque_limit",
-        f"At the start joint {joint + 1} needs {_short(torque[joint])} N·m, but its limit is "
-        f"{_short(limit[joint])} N·m: the loop starts in torque saturation. Start with the desired "
+        f"At the start joint {joint + 1} needs {short(torque[joint])} N·m, but its limit is "
+        f"{short(limit[joint])} N·m: the loop starts in torque saturation. Start with the desired "
         "velocity and no error, or lower the gains.",
         _calmer_start(packed, name, able),
     )
@@ -289,7 +243,7 @@ def _blindness(packed: Packed, name: str) -> Iterator[Advice]:
         yield Advice(
             "info",
             field_path(("lanes", name, "width")),
-            f"The Gaussians are narrower than the gaps between their centres ({_short(spacing)} "
+            f"The Gaussians are narrower than the gaps between their centres ({short(spacing)} "
             "rad): between two of them the network does not respond.",
             {"lanes": {name: {"width": float(f"{spacing:.2g}")}}},
         )
@@ -310,7 +264,7 @@ def _windup(packed: Packed, name: str) -> Iterator[Advice]:
     joint = int(np.argmax(growth))
     leakage = float(f"{np.max(growth / limit) * 1.05:.2g}")
     where = (
-        f"At the start joint {joint + 1} saturates with S = {_short(sliding[joint])} rad/s, and "
+        f"At the start joint {joint + 1} saturates with S = {short(sliding[joint])} rad/s, and "
         "until it leaves saturation"
         if begins[joint]
         else f"Joint {joint + 1} lacks torque, and while that leaves S = {sliding[joint]:g} rad/s"
@@ -324,7 +278,7 @@ def _windup(packed: Packed, name: str) -> Iterator[Advice]:
     yield Advice(
         "info",
         field_path(("lanes", name, "leakage")),
-        f"{where} its network winds up by φΣh²|S| = {_short(growth[joint])} N·m per second. "
+        f"{where} its network winds up by φΣh²|S| = {short(growth[joint])} N·m per second. "
         f"{way_out}",
         {"lanes": {name: {"leakage": leakage}}} if leakage <= most else None,
     )
@@ -345,8 +299,8 @@ def _fast_disturbance(packed: Packed, name: str) -> Iterator[Advice]:
         yield Advice(
             "info",
             path,
-            f"At {_short(frequency)} Hz a cycle has fewer than {_STEPS_A_SWING} steps of "
-            f"{_short(1e3 * step)} ms: the impulse of each step is right, but not the waveform "
+            f"At {short(frequency)} Hz a cycle has fewer than {_STEPS_A_SWING} steps of "
+            f"{short(1e3 * step)} ms: the impulse of each step is right, but not the waveform "
             "within it.",
             _finer_steps(packed.experiment, frequency),
         )
@@ -370,7 +324,7 @@ def _unused(packed: Packed, name: str) -> Iterator[Advice]:
     experiment = packed.experiment
     noise, delay = experiment.disturbance.sensor_noise, experiment.simulation.input_delay
     settings = (
-        ("simulation.input_delay", delay, f"An input delay of {_short(1e3 * delay)} ms"),
+        ("simulation.input_delay", delay, f"An input delay of {short(1e3 * delay)} ms"),
         ("disturbance.sensor_noise.position", noise.position, "Noise on the measured angles"),
         ("disturbance.sensor_noise.velocity", noise.velocity, "Noise on the measured velocities"),
     )

@@ -131,12 +131,13 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
     r"""One implicit Euler step of the closed loop from state ``state`` to ``into``.
 
     .. math:: M a = \tau_r + R(S_1) + h H S_1 - h_{nle} - F(v_1), \qquad
-        S_1 = S + h[s_v(\ddot q_d - a) + s_e(v_d - v_1)]
+        S_1 = S + h[s_v(\ddot q_d - a) + s_e(v_d - v_1) + d]
 
     followed by :math:`v_1 = v + ha`, :math:`q_1 = q + hv_1` and the network's own implicit step. R
-    is the reaching law, :math:`\tau_r` the rest of the torque; M, the slopes s_v, s_e of the
-    surface and all else that depends on the angles stay as they are at ``state``. The sum of the
-    controller's terms keeps its torque limit. The first Newton step, which mostly is enough, is
+    is the reaching law, :math:`\tau_r` the rest of the torque; M, the slopes s_v, s_e and the drift
+    d of the surface and all else that depends on the angles stay as they are at ``state``. The sum
+    of the controller's terms keeps its torque limit. The first Newton step, which mostly is enough,
+    is (without drift)
 
     .. math:: (M + h(D+B) + h^2(K + H s_v) + h^3 H s_e)\,a = r
         + h[D \ddot q_d + K(v_d - v)] + hH[S + h(s_v \ddot q_d + s_e(v_d - v))]

@@ -23,9 +23,9 @@ from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import (
     Advance,
     Control,
-    advance_back,
     advance_callback,
     call_advance,
+    call_advance_back,
     call_back,
     call_law,
     callback,
@@ -42,15 +42,14 @@ Array = np.ndarray
 INERTIA, BIAS, NOMINAL_INERTIA, NOMINAL_BIAS, GAINS, ENVIRONMENT, TRAJECTORY, WORK, RECORD = range(
     9
 )
-COMMANDS, CHAIN, NOMINAL_CHAIN, SCRATCH, COMPILED_LAW, LAW_CALLBACK = range(9, 15)
+COMMANDS, CHAIN, NOMINAL_CHAIN, SCRATCH, COMPILED_LAW, LAW_CALLBACK, ADVANCE = range(9, 16)
+# Whether ADVANCE is called back; whether the state holds weights of a network.
+ADVANCE_IS_CALLBACK, HAS_WEIGHTS = range(16, 18)
 # Sizes, and the whole substeps of the input delay.
-TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(15, 20)
+TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(18, 23)
 # Numbers as float64.
-STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(20, 24)
-# What moves the law's memory on: its address, CALLED_BACK, or 0 for a law without; the callback.
-COMPILED_ADVANCE, ADVANCE_CALLBACK = range(24, 26)
-SIZE = 26
-CALLED_BACK = -1
+STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(23, 27)
+SIZE = 27
 CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
 SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
 NO_COMMANDS = np.empty((0, JOINTS))
@@ -73,11 +72,12 @@ def kernel_table(
     work: Array,
     record: Array,
     control: Control | None = None,
+    advance: Advance | None = None,
+    network: bool = True,
     step: float = 0.0,
     period: float = 0.0,
     commands: Array = NO_COMMANDS,
     delay: tuple[int, float] = (0, 0.0),
-    advance: Advance | None = None,
 ) -> Array:
     """Return the table of a lane's arrays; they live as long as it does.
 
@@ -90,12 +90,13 @@ def kernel_table(
         work: the lane's workspace.
         record: rows to write. Shape (k, 48).
         control: the lane's law; ``None`` for kernels that do without.
+        advance: what moves its memory on; ``None`` where it has none.
+        network: whether the rows W of the state may hold weights: they are recorded as such.
         step: step of the arm in [s]. It and TOLERANCE, how many times its tolerance the error of a
             step may be, can be changed in the table.
         period: control period of sampled mode in [s].
         commands: memory for the torques that wait for the input delay to pass. Shape (k, 6).
         delay: the input delay: control periods, and steps of the arm.
-        advance: what moves the law's memory on; ``None`` for a law without one.
 
     Raises:
         ValueError: if an array is not one block of float64, or has another shape.
@@ -131,19 +132,21 @@ def kernel_table(
         table[CHAIN], table[SCRATCH] = truth.chain.ctypes.data, truth.scratch.ctypes.data
     if isinstance(nominal, ChainDynamics) and nominal is not truth:
         table[NOMINAL_CHAIN] = nominal.chain.ctypes.data
-    called, moved = None, None
-    if advance is not None:
-        table[COMPILED_ADVANCE] = compiled_advance(advance) or CALLED_BACK
-        if table[COMPILED_ADVANCE] == CALLED_BACK:
-            moved = advance_callback(advance, gains, nominal.inertia, nominal.bias, work)
-            table[ADVANCE_CALLBACK] = ctypes.cast(moved, ctypes.c_void_p).value or 0
+    called, called_after = None, None
     if control is not None:
         table[COMPILED_LAW] = compiled_law(control)
         if not table[COMPILED_LAW]:
             called = callback(control, gains, nominal.inertia, nominal.bias, work)
             table[LAW_CALLBACK] = ctypes.cast(called, ctypes.c_void_p).value or 0
+    if advance is not None:
+        table[ADVANCE] = compiled_advance(advance)
+        if not table[ADVANCE]:
+            called_after = advance_callback(advance, gains, nominal.inertia, nominal.bias, work)
+            table[ADVANCE] = ctypes.cast(called_after, ctypes.c_void_p).value or 0
+            table[ADVANCE_IS_CALLBACK] = 1
+    table[HAS_WEIGHTS] = network
     # Pinocchio's own memory goes with its data, which the dynamics hold.
-    return np.asarray(_Kept(table, arrays, truth, nominal, control, advance, called, moved))
+    return np.asarray(_Kept(table, arrays, truth, nominal, control, called, advance, called_after))
 
 
 def _as_pointer(_context: Any, address: Any) -> Any:
@@ -206,25 +209,27 @@ def ask(state, table):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def advance_memory(h, state, into, table):  # type: ignore[no-untyped-def]
-    """Let the table's law move its memory on; it must have one.
+def move_memory(h, state, into, table):  # type: ignore[no-untyped-def]
+    """Let the table's law move its memory on, where it has one.
 
     Args:
         h: step or control period in [s].
-        state: first row of the state before the step.
-        into: first row of the state after it; the same in sampled mode.
+        state: first row of the state from which the step started.
+        into: first row of the state after it; it may be the same.
         table: the lane's table.
 
     Returns:
         0, or RAISED.
     """
-    if table[COMPILED_ADVANCE] == CALLED_BACK:
-        return advance_back(table[ADVANCE_CALLBACK], h, state, into)
+    if table[ADVANCE] == 0:
+        return 0
+    if table[ADVANCE_IS_CALLBACK] != 0:
+        return call_advance_back(table[ADVANCE], h, state, into)
     gains = carray(_pointer(table[GAINS]), (table[GAIN_ROWS], JOINTS), np.float64)
     nominal_M = carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64)
     nominal_nle = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
     work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
-    call_advance(table[COMPILED_ADVANCE], h, state, into, gains, nominal_M, nominal_nle, work)
+    call_advance(table[ADVANCE], h, state, into, gains, nominal_M, nominal_nle, work)
     return 0
 
 

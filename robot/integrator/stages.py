@@ -31,11 +31,12 @@ from slidetune.robot.integrator.implicit_step import (
     within_bounds,
 )
 from slidetune.robot.integrator.kernel_arrays import (
-    COMPILED_ADVANCE,
-    advance_memory,
+    ADVANCE,
+    HAS_WEIGHTS,
     ask,
     delay_line,
     loop_arrays,
+    move_memory,
     settings,
 )
 from slidetune.robot.kernels.compiler import inlined, kernel, part
@@ -103,12 +104,13 @@ def _begin(stage, t, table):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def write_record(row, environment, work, record):  # type: ignore[no-untyped-def]
+def write_record(row, weights, environment, work, record):  # type: ignore[no-untyped-def]
     """Record the current state and what the law said of it, in the order of ``RECORD``."""
     for j in range(JOINTS):
         squares = 0.0
-        for n in range(NODES):
-            squares += work[CURRENT + W + n, j] ** 2
+        if weights != 0:
+            for n in range(NODES):
+                squares += work[CURRENT + W + n, j] ** 2
         limit = environment[LIMIT, j]
         record[row, R_Q + j] = work[CURRENT + Q, j]
         record[row, R_V + j] = work[CURRENT + V, j]
@@ -131,18 +133,17 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         left = implicit_step(0.5 * h, state, state, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
-        if table[COMPILED_ADVANCE] != 0:
-            bad = _remember(0.5 * h, state, state, table)
-            if bad != 0:
-                return bad
+        if table[ADVANCE] != 0:
+            keep_command(0.5 * h, inertia, environment, work)
+        bad = move_memory(0.5 * h, state, state, table)
+        if bad != 0:
+            return bad
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
         return accept(second, work)
     if row >= 0:
-        write_record(row, environment, work, record)
-        if table[COMPILED_ADVANCE] != 0:
-            _without_weights(row, record)
+        write_record(row, table[HAS_WEIGHTS], environment, work, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
         return REFUSED
     work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
@@ -151,10 +152,11 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
         return STUCK
-    if table[COMPILED_ADVANCE] != 0:
-        bad = _remember(h, state, state + FULL, table)
-        if bad != 0:
-            return bad
+    if table[ADVANCE] != 0:
+        keep_command(h, inertia, environment, work)
+    bad = move_memory(h, state, state + FULL, table)
+    if bad != 0:
+        return bad
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
@@ -166,26 +168,10 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     left = implicit_step(0.5 * h, state, half, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
-    if table[COMPILED_ADVANCE] != 0:
-        bad = _remember(0.5 * h, state, half, table)
-        if bad != 0:
-            return bad
-    return within_bounds(half, work)
-
-
-@part
-def _remember(h, state, into, table):  # type: ignore[no-untyped-def]
-    """Let the law move its memory on over the step just solved."""
-    inertia, _, environment, _, work, _ = loop_arrays(table)
-    keep_command(h, inertia, environment, work)
-    return advance_memory(h, state, into, table)
-
-
-@kernel
-def _without_weights(row, record):  # type: ignore[no-untyped-def]
-    """Record no weights: what stands in their place is the law's memory."""
-    for j in range(JOINTS):
-        record[row, R_WEIGHTS + j] = 0.0
+    if table[ADVANCE] != 0:
+        keep_command(0.5 * h, inertia, environment, work)
+    bad = move_memory(0.5 * h, state, half, table)
+    return bad if bad != 0 else within_bounds(half, work)
 
 
 @kernel
@@ -206,12 +192,10 @@ def observe(t, sample, table):  # type: ignore[no-untyped-def]
 
 @part
 def command(row, table):  # type: ignore[no-untyped-def]
-    """Record, limit the torque and let the network learn for one control period."""
+    """Record, limit the torque and let the law learn or remember for one control period."""
     _, period, _ = settings(table)
     _, _, environment, _, work, record = loop_arrays(table)
-    write_record(row, environment, work, record)
-    if table[COMPILED_ADVANCE] != 0:
-        _without_weights(row, record)
+    write_record(row, table[HAS_WEIGHTS], environment, work, record)
     for j in range(JOINTS):
         limit = environment[LIMIT, j]
         work[TAU, j] = min(max(work[TAU, j], -limit), limit)
@@ -221,11 +205,8 @@ def command(row, table):  # type: ignore[no-untyped-def]
         for n in range(NODES):
             weight = work[CURRENT + W + n, j]
             work[CURRENT + W + n, j] = weight + gain * work[HIDDEN + n, j] - leak * weight
-    if table[COMPILED_ADVANCE] != 0:
-        bad = advance_memory(period, CURRENT, CURRENT, table)
-        if bad != 0:
-            return bad
-    return within_bounds(CURRENT, work)
+    bad = move_memory(period, CURRENT, CURRENT, table)
+    return bad if bad != 0 else within_bounds(CURRENT, work)
 
 
 @kernel

@@ -19,6 +19,7 @@ from slidetune.robot.kernels.workspace import (
     CARRIED,
     CURVE,
     DIAGONAL,
+    DRIFT,
     F_SLOPE,
     FLAGS,
     GAIN,
@@ -84,7 +85,8 @@ def fill(h, state, inertia, bias, work):  # type: ignore[no-untyped-def]
         diagonal = inertia[i, i] + h * work[F_SLOPE, i]
         s_v, s_e, slope = work[S_V, i], work[S_E, i], work[NETWORK_SLOPE, i]
         fall = h * (s_v + h * s_e)
-        ahead = h * (s_v * work[AD, i] + s_e * (work[VD, i] - work[state + V, i]))
+        ahead = s_v * work[AD, i] + s_e * (work[VD, i] - work[state + V, i])
+        ahead = h * (ahead + work[DRIFT, i])
         gain = h * slope if shaped else h * slope + work[GAIN, i]
         withheld = work[WITHHELD, i]
         diagonal += gain * fall - withheld * (gain * fall)

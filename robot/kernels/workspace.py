@@ -16,7 +16,7 @@ NODES = 10
 # --- the state: angle, velocity, weights -------------------------------------------------------
 Q = 0  # joint angle [rad]
 V = 1  # joint velocity [rad/s]
-W = 2  # network weights, NODES rows
+W = 2  # network weights, NODES rows; of a law without a network its memory, from the first on
 DELIVERED = W + NODES  # torque at the joint, behind a drive with a lag [N m]
 BETWEEN = DELIVERED + 1  # torque between two lags in series [N m]
 STATE_ROWS = W + NODES + 2
@@ -53,6 +53,7 @@ CURVE_ROWS = 5
 TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
 TERMINAL_MU = TERMINAL_C + 1  # its mu
 TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
+DRIFT = TERMINAL_C + 3  # rate at which S changes apart from the motion [rad/s^2]
 
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
@@ -62,7 +63,7 @@ BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes wit
 PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 
 # --- one implicit step ---------------------------------------------------------------------------
-MATRIX = TERMINAL_RATIO + 1  # 6 x 6 system matrix
+MATRIX = DRIFT + 1  # 6 x 6 system matrix
 RIGHT = MATRIX + JOINTS  # its right-hand side
 DIAGONAL = RIGHT + 1  # its diagonal, before elimination
 ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Protocol, TypedDict
 
 import numpy as np
 
 from slidetune.robot.fields.quantity import Section
 from slidetune.robot.integrator.law_call import Advance, Control
+from slidetune.robot.laws.terms.observer import OBSERVER_MEMORY
 
 Array = np.ndarray
 
@@ -19,6 +20,14 @@ class PackedGains(Protocol):
     def pack(self) -> Array:
         """Return all gains as numbers. Shape (n, 6)."""
         ...
+
+
+class LawKernels(TypedDict):
+    """Arguments of ``kernel_table`` that a law gives."""
+
+    control: Control
+    advance: Advance | None
+    network: bool
 
 
 @dataclass(frozen=True)
@@ -35,11 +44,15 @@ class Law:
             the state whose weights count. A ``kernel``; a plain function is called back, slowly.
         model_based: whether it needs the nominal arm.
         network: whether it has a network.
-        memory: how many rows of the state from W on, where others have weights, are its memory.
-        advance: ``(h, state, into, gains, nominal_M, nominal_nle, work)`` moves that on over a
-            step h [s] of continuous mode (after it, from the state whose first row is ``state``
-            to ``into``) or a control period (both are the current state), and the memory of an
-            observer; ``work`` holds what the step solved.
+        memory: how many rows of the state, W and those after it, hold what it integrates where it
+            has no network. They are 0 at the beginning and where a lane changes to it.
+        advance: ``(h, state, into, gains, nominal_M, nominal_nle, work)`` moves them on, from the
+            state with the first row ``state`` to the one with ``into``, which already holds them
+            unchanged, and may be the same. In continuous mode it is called after each implicit
+            step of length h [s], and may read what that left in the workspace: S at its end is
+            S_FREE - S_FALL a, a in RIGHT. In sampled mode (``FLAGS``, ``PERIOD``) it is called once
+            a control period h, when TAU has been limited. Like ``control`` a ``kernel``; a plain
+            function is called back. Of a law with an observer it moves that one's rows on, too.
     """
 
     name: str
@@ -53,6 +66,12 @@ class Law:
     advance: Advance | None = None
 
     def used_by(self, lane: Section) -> Law:
-        """Return the law as a lane uses it: without a memory to move on where it has none."""
-        observes = getattr(lane, "observer", "none") != "none"
-        return self if self.memory or observes else replace(self, advance=None)
+        """Return the law as a lane uses it: with an observer's memory, or without one at all."""
+        if getattr(lane, "observer", "none") != "none":
+            return replace(self, memory=self.memory + OBSERVER_MEMORY)
+        return self if self.memory else replace(self, advance=None)
+
+    @property
+    def kernels(self) -> LawKernels:
+        """What a lane's table needs of the law."""
+        return {"control": self.control, "advance": self.advance, "network": self.network}

@@ -55,7 +55,7 @@ class Probe:
                 trajectory,
                 self._work,
                 record,
-                control=law.control,
+                **law.kernels,
             )
             for trajectory in (hold, packed.trajectory)
         )

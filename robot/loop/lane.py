@@ -11,7 +11,7 @@ import numpy as np
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS, Section
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import BUCKETS, cutting_of
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
@@ -39,6 +39,7 @@ from slidetune.robot.kernels.workspace import (
     W,
 )
 from slidetune.robot.laws import LAWS
+from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
 from slidetune.robot.margins.margin import Margin, is_stable_unsampled, margin_at
 from slidetune.robot.motion.trajectory import reference
@@ -74,22 +75,13 @@ class Freeze:
         return asdict(self)
 
 
-Memory = tuple[str, str] | None
-"""Law and observer whose memory a lane has; ``None`` for weights, or nothing."""
-
-
-def memory_of(gains: Section) -> Memory:
-    """Return whose memory a lane with these gains has."""
-    law, observer = getattr(gains, "law", ""), getattr(gains, "observer", "none")
-    return (law, observer) if LAWS[law].memory or observer != "none" else None
-
-
 @dataclass(frozen=True)
 class LaneState:
     """All that the next steps of a lane depend on besides the experiment.
 
     Attributes:
-        state: angles, velocities, weights and torques of the drives. Shape (14, 6).
+        state: angles, velocities, weights or memory of the law, torques of the drives.
+            Shape (14, 6).
         memory: what the step before left for the next one. Shape (3, 6).
         torque: torque of the step before in [N m]. Shape (6,).
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
@@ -98,7 +90,7 @@ class LaneState:
         buckets: how far the next steps may be cut; see ``BUCKETS``. Shape (3,).
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
-        owner: whose memory stands in the place of the weights.
+        keeper: the law whose weights or memory the state holds.
     """
 
     state: Array
@@ -109,7 +101,7 @@ class LaneState:
     buckets: Array
     freeze: Freeze | None
     began: float
-    owner: Memory = None
+    keeper: Law
 
 
 _WHY = tuple(field.name for field in fields(Freeze))
@@ -125,7 +117,6 @@ class Lane:
         freeze: why it stands still, ``None`` while it runs.
         began: when it began from its initial state in [s].
         commands: torques that wait for the input delay to pass in [N m]. Shape (n, 6).
-        memory: whose memory stands in the place of the weights.
         step: the bound step; see ``robot.loop.steps.Step``.
     """
 
@@ -170,38 +161,42 @@ class Lane:
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
         self.freeze, self.commands = None, NO_COMMANDS
-        self.memory: Memory = None
+        self._keeper = LAWS[packed.experiment.lanes[self.name].law]
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
-        """Take other gains, arm or trajectory from the next step on; the state goes on."""
-        gains = packed.experiment.lanes[self.name]
+        """Take other gains, law, arm or trajectory from the next step on; the state goes on.
+
+        What another law left as its memory is not this one's. Weights go on under another law with
+        a network, and a law that needs neither leaves both as they are, but for what an observer
+        remembers: that is of the moment.
+        """
+        gains, before = packed.experiment.lanes[self.name], self._keeper
         law = LAWS[gains.law].used_by(gains)
-        self._begin_memory(memory_of(gains))
-        self.commands = torques_on_the_way(packed, self.work, self.commands)
+        if law.network or law.memory or before.memory > LAWS[before.name].memory:
+            same = (law.name, law.memory) == (before.name, before.memory)
+            if not same and not (law.network and before.network):
+                self.work[W : W + NODES] = 0.0
+            self._keeper = law
         self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
+        self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)
-
-    def _begin_memory(self, memory: Memory) -> None:
-        """Forget what another law or observer remembers where this one's memory is, or was."""
-        if memory != self.memory:
-            self.work[W : W + NODES] = 0.0
-        self.memory = memory
 
     def continue_from(self, other: Lane, packed: Packed) -> None:
         """Take over another lane's state, torques on their way, past rows and freeze.
 
         What it counted stays its own.
         """
-        self.work[:STATE_ROWS], self.memory = other.work[:STATE_ROWS], other.memory
+        self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
         self.work[[CHANGE_Q, CHANGE_V]] = other.work[[CHANGE_Q, CHANGE_V]]
         self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
         self.cutting[BUCKETS] = other.cutting[BUCKETS]
         self.record[:] = other.record
+        self._keeper = other._keeper
         self.freeze, self.commands, self.began = other.freeze, other.commands, other.began
         self.adopt(packed)
 
@@ -216,18 +211,17 @@ class Lane:
             buckets=self.cutting[BUCKETS].copy(),
             freeze=self.freeze,
             began=self.began,
-            owner=self.memory,
+            keeper=self._keeper,
         )
 
     def restore(self, past: LaneState, packed: Packed, number: int) -> None:
         """Go back to where the lane was, with step ``number`` as the next one."""
         self.work[:STATE_ROWS], self.work[MEMORY] = past.state, past.memory
-        self.memory = past.owner
         self.work[TAU] = past.torque
         self.record[(number - 1) % len(self.record)] = past.row
         self.commands = np.roll(past.commands, number, axis=0)
         self.cutting[BUCKETS] = past.buckets
-        self.freeze, self.began = past.freeze, past.began
+        self.freeze, self.began, self._keeper = past.freeze, past.began, past.keeper
         self.adopt(packed)
 
     def document(self) -> dict[str, Any]:

@@ -41,6 +41,7 @@ from slidetune.robot.kernels.workspace import (
     CURVE,
     CURVE_ROWS,
     DELIVERED,
+    DRIFT,
     HALF,
     MEASURED_Q,
     MEASURED_V,
@@ -75,9 +76,7 @@ def continuous_step(
     if separate:
         nominal = _nominal(packed, work, CURRENT + Q, CURRENT + V)
     rest = (gains, packed.environment, packed.trajectory, work, record)
-    table = kernel_table(
-        truth, nominal, *rest, control=law.control, advance=law.advance, step=simulation.step
-    )
+    table = kernel_table(truth, nominal, *rest, **law.kernels, step=simulation.step)
     numbers = table.view(np.float64)
     numbers[TOLERANCE] = cutting[LOOSENESS]
     nominal_model, nominal_data = nominal.model, nominal.data
@@ -187,8 +186,7 @@ def sampled_step(
         packed.trajectory,
         work,
         record,
-        control=law.control,
-        advance=law.advance,
+        **law.kernels,
         step=simulation.arm_step,
         period=simulation.row_period,
         commands=commands,
@@ -226,7 +224,7 @@ def bind_step(
     """Return the step that an experiment asks for.
 
     Args:
-        law: the lane's law, as it uses that.
+        law: the lane's law.
         packed: the experiment as numbers.
         gains: the lane's gains. Shape (n, 6).
         work: the lane's workspace, which holds its state.
@@ -238,7 +236,7 @@ def bind_step(
         ``step(t, number, row)``, which raises what the law raises.
     """
     # What another law or mode left there is not this one's.
-    work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = 0.0
+    work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = work[DRIFT] = 0.0
     if packed.experiment.simulation.mode == "sampled":
         return sampled_step(law, packed, gains, work, record, commands)
     return continuous_step(law, packed, gains, work, record, cutting)

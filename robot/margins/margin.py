@@ -79,7 +79,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
     record = np.zeros((1, RECORD_COLUMNS))
     gains = packed.gains[name]
     arrays = (gains, environment, trajectory, work, record)
-    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, control=law.control)))
+    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, **law.kernels)))
     return work
 
 

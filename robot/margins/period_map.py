@@ -25,7 +25,6 @@ from slidetune.robot.environment.layout import (
     TWO_LAGS,
 )
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import checked
@@ -60,6 +59,7 @@ from slidetune.robot.kernels.workspace import (
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.drives import Drives
 from slidetune.robot.margins.observer_state import begin_observer, observer_rows
+from slidetune.robot.margins.timing import Timing, timing
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
@@ -76,44 +76,6 @@ INSTANT = 2e-5
 which is ``MARGINAL`` in that time."""
 WITHIN = 1e-3
 """Share of the boundary layer by which the law's map is taken (*ours*)."""
-_LONGEST = 8
-"""Whole periods of delay that are about as many as it takes (*ours*)."""
-
-
-@dataclass(frozen=True)
-class Timing:
-    """How a control period is cut, in steps of the arm.
-
-    Attributes:
-        step: step of the arm in [s].
-        steps: steps of the arm in a period.
-        delay: steps of the arm, or parts, from a measurement to its torque.
-        periods: control periods that this one stands for.
-    """
-
-    step: float
-    steps: int
-    delay: float
-    periods: float = 1.0
-
-    @property
-    def period(self) -> float:
-        """Length of the period in [s]."""
-        return self.step * self.steps
-
-
-def timing(simulation: Simulation) -> Timing:
-    """Return the timing of a sampled loop; a long delay is cut into some eight longer periods.
-
-    A delay of n periods takes 6n states. Where it is long, the loop loses its stability slowly
-    against a period, so that longer periods do: a hold delays by half of its length, which the
-    delay then lacks, and what is left is of second order (0.3 % of a gain).
-    """
-    step = 1.0 / (simulation.control_rate * simulation.plant_substeps)
-    short, (whole, part) = simulation.plant_substeps, simulation.delay
-    half = max(0, round(0.5 * short * (whole / _LONGEST - 1.0)))
-    long = short + 2 * half
-    return Timing(step, long, whole * short + part - half, long / short)
 
 
 @dataclass(frozen=True)
@@ -241,23 +203,17 @@ class Around:
         rest = (self._gains, packed.environment, packed.trajectory, work)
         record = np.zeros((1, RECORD_COLUMNS))
         self._control = kernel_table(
-            self._truth,
-            self._nominal,
-            *rest,
-            record,
-            control=self._law.control,
-            advance=self._law.advance,
-            period=cut.period,
+            self._truth, self._nominal, *rest, record, **self._law.kernels, period=cut.period
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
-        self._memory = observer_rows(self._law, lane)
+        self._memory = observer_rows(LAWS[lane.law], lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
         if len(self._memory):
-            begin_observer(self._law, cut.period, self._nominal.inertia, work, self._weights)
+            begin_observer(LAWS[lane.law], cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
         known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
         self.learning: Array = np.flatnonzero(known)

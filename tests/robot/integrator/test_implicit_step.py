@@ -27,6 +27,7 @@ from slidetune.robot.kernels.workspace import (
     CURRENT,
     CURVE,
     CURVE_ROWS,
+    DRIFT,
     F_SLOPE,
     FLAGS,
     FULL,
@@ -109,8 +110,9 @@ def published_step(work: Array, M: Array, bias: Array, h: float) -> Array:
     B, H = np.diag(work[F_SLOPE]), work[NETWORK_SLOPE]
     s_v, s_e, lag = work[S_V], work[S_E], work[VD] - work[V]
     left = M + h * (D + B) + h**2 * (K + np.diag(H * s_v)) + h**3 * np.diag(H * s_e)
-    right = work[TAU] - bias - work[F] + h * (D @ work[AD] + K @ lag)
-    right += h * H * (work[S] + h * (s_v * work[AD] + s_e * lag))
+    ahead = s_v * work[AD] + s_e * lag + work[DRIFT]
+    right = work[TAU] - bias - work[F] + h * share @ (work[GAIN] * ahead)
+    right += h * H * (work[S] + h * ahead)
     right -= h * work[LEAKAGE] * work[NETWORK]
     return np.linalg.solve(left, right)
 
@@ -135,7 +137,8 @@ def test_step_is_the_documented_equation(h: float, shaped: bool) -> None:
         before, a = work.copy(), published_step(work, M, bias, h)
         implicit_step(h, CURRENT, FULL, M, bias, FREE, work)
         v = before[V] + h * a
-        s = before[S] + h * (before[S_V] * (before[AD] - a) + before[S_E] * (before[VD] - v))
+        moved = before[S_V] * (before[AD] - a) + before[S_E] * (before[VD] - v)
+        s = before[S] + h * (moved + before[DRIFT])
         weights = before[W : W + NODES]
         learned = before[LEARNING] * before[HIDDEN : HIDDEN + NODES] * s
         learned -= before[LEAKAGE] * weights
@@ -162,9 +165,8 @@ def test_torque_limits_hold_at_the_end_of_the_step(seed: int, shaped: bool) -> N
     a = (work[FULL + V] - before[V]) / h
     torque = M @ a + bias + before[F]
     asked = before[TAU] - h * before[LEAKAGE] * before[NETWORK]
-    s_next = before[S] + h * (
-        before[S_V] * (before[AD] - a) + before[S_E] * (before[VD] - work[FULL + V])
-    )
+    moved = before[S_V] * (before[AD] - a) + before[S_E] * (before[VD] - work[FULL + V])
+    s_next = before[S] + h * (moved + before[DRIFT])
     share = before[SHAPE : SHAPE + JOINTS] if shaped else np.eye(JOINTS)
     asked += share @ (before[GAIN] * (s_next - before[S]))
     asked += h * before[NETWORK_SLOPE] * s_next

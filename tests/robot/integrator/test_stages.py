@@ -139,7 +139,7 @@ def test_a_record_is_of_the_current_state_and_of_its_own_row() -> None:
     record = np.zeros((3, RECORD_COLUMNS))
     environment = pack_environment(Disturbance(), 0.0, 0.0, 1.0)
     work[TAU] = (-9.0, 9.0, 0.5, -0.5, 1.0, 2.0)
-    write_record(1, environment, work, record)
+    write_record(1, 1, environment, work, record)
     weights = np.linalg.norm(work[W : W + NODES], axis=0)
     expected = (work[Q], work[V], np.clip(work[TAU], -1.0, 1.0), work[S], work[NETWORK], weights)
     found = record[1].reshape(len(RECORD), JOINTS)

@@ -17,9 +17,12 @@ from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CURVE,
     CURVE_ROWS,
+    DRIFT,
+    FLAGS,
     FULL,
     MEASURED_Q,
     MEASURED_V,
+    PERIOD,
     PUSH,
     QD,
     RECORD_COLUMNS,
@@ -111,11 +114,14 @@ def test_a_step_depends_on_nothing_but_the_state(law: str, mode: str) -> None:
     left_alone, scribbled = lane_of(packed), lane_of(packed)
     random = np.random.default_rng(1)
     for number in range(20):
-        push = scribbled.work[PUSH].copy()
+        # But for what is written where the lane is bound, and from outside.
+        push, drift = scribbled.work[[PUSH, DRIFT]]
         curve = scribbled.work[CURVE : CURVE + CURVE_ROWS].copy()
+        period = scribbled.work[FLAGS, PERIOD]
         scribbled.work[FULL:CHANGE_Q] = random.normal(size=(CHANGE_Q - FULL, JOINTS))
         scribbled.work[CURVE : CURVE + CURVE_ROWS] = curve
-        scribbled.work[PUSH] = push
+        scribbled.work[[PUSH, DRIFT]] = push, drift
+        scribbled.work[FLAGS, PERIOD] = period
         for lane in (left_alone, scribbled):
             assert lane.step(number * 1e-3, number, number) == 0
     np.testing.assert_array_equal(scribbled.record, left_alone.record)

@@ -20,7 +20,8 @@ from slidetune.robot.margins.margin import (
     period_map,
     worst_margin,
 )
-from slidetune.robot.margins.period_map import Around, Timing, calm
+from slidetune.robot.margins.period_map import Around, calm
+from slidetune.robot.margins.timing import Timing
 
 Array = np.ndarray
 SMALL = 1e-8
