@@ -122,10 +122,12 @@ def _simulations(experiment: Experiment, source: Experiment) -> Iterator[dict[st
 def _gains(experiment: Experiment, name: str, source: Experiment) -> dict[str, Any]:
     """Return the source's numbers for a lane's gains: those of its law, or one that has them.
 
-    Choices such as the switching function, and switches, stay as they are.
+    Choices such as the switching function, and switches, stay as they are, and so does the rate of
+    an observer: that is one of the disturbance.
     """
     lane = experiment.lanes[name]
     wanted = [key for key, value in lane if isinstance(value, float | tuple)]
+    wanted = [key for key in wanted if key != "observer_rate"]
     same = [one for one in source.lanes.values() if one.law == lane.law]
     able = [one for one in source.lanes.values() if all(hasattr(one, key) for key in wanted)]
     if not same and not able:

@@ -14,6 +14,7 @@ from math import inf, isfinite
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.drive import begin_lag, end_lag, lags, without_lag
 from slidetune.robot.integrator.implicit_solve import SOLVED, curved_command, solve_curves
+from slidetune.robot.integrator.joint_curve import reaching_at
 from slidetune.robot.integrator.tangent import (
     fill,
     final_torque,
@@ -48,14 +49,18 @@ from slidetune.robot.kernels.workspace import (
     LEARNT,
     LEFT,
     MATRIX,
+    NETWORK,
+    NETWORK_SLOPE,
     NODES,
     PASSED,
+    REACH,
     RESIGNED,
     RIGHT,
     S_FALL,
     S_FREE,
     SHAPED,
     TALLY,
+    TAU,
     TRIAL,
     UNSOLVED,
     F,
@@ -65,6 +70,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws.terms.switching import ALPHA, CODES, K2, REACHING_CODE, TWISTING
 
+BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES = range(3)
 MAX_ANGLE = 100.0
 """Angle [rad] past which a lane counts as diverged (*ours*: 16 turns)."""
 MAX_VELOCITY = 200.0
@@ -90,12 +96,13 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
         solve(work)
     else:
         solve_symmetric(work)
-    work[FLAGS, CURVED] = 0.0
+    work[FLAGS, CURVED] = BY_TANGENTS
     if is_smooth(h, environment, work) or tangents_hold(h, state, inertia, environment, work):
         return 0.0
     if follow_tanh(h, inertia, bias, environment, work):
+        work[FLAGS, CURVED] = BY_NEW_TANGENTS
         return 0.0
-    work[FLAGS, CURVED] = 1.0
+    work[FLAGS, CURVED] = BY_CURVES
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
     left = solve_curves(h, state, inertia, bias, environment, work)
@@ -105,13 +112,20 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
 
 
 @kernel
-def _keep_command(h, inertia, environment, work):  # type: ignore[no-untyped-def]
-    """Write the controller's torque at the end of the step to COMMAND [N m]."""
-    if work[FLAGS, CURVED] != 0.0:
+def keep_command(h, inertia, environment, work):  # type: ignore[no-untyped-def]
+    """Write the controller's torque at the end of the step just solved to COMMAND [N m]."""
+    if work[FLAGS, CURVED] == BY_CURVES:
         curved_command(h, environment, inertia, work)
-    else:
-        for j in range(JOINTS):
+        return
+    for j in range(JOINTS):
+        if work[FLAGS, CURVED] == BY_TANGENTS:
             work[COMMAND, j] = final_torque(h, j, work)
+        else:
+            # Its last tangents are not those of the beginning.
+            s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
+            value, _ = reaching_at(s, j, work)
+            learnt = h * (work[NETWORK_SLOPE, j] * s - work[LEAKAGE, j] * work[NETWORK, j])
+            work[COMMAND, j] = work[TAU, j] - work[REACH, j] + value + learnt
 
 
 @kernel
@@ -155,7 +169,7 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
     fill(h, state, inertia, bias, work)
     left = _solve(h, state, inertia, bias, environment, work)
     if lagging:
-        _keep_command(h, inertia, environment, work)
+        keep_command(h, inertia, environment, work)
         end_lag(h, state, into, environment, work)
     for j in range(JOINTS):
         a, v = work[RIGHT, j], work[state + V, j]

@@ -25,11 +25,13 @@ from slidetune.robot.integrator.implicit_step import (
     accept_motion,
     arm_step,
     implicit_step,
+    keep_command,
     step_error,
     unsolved,
     within_bounds,
 )
 from slidetune.robot.integrator.kernel_arrays import (
+    ADVANCE,
     HAS_WEIGHTS,
     ask,
     delay_line,
@@ -131,6 +133,8 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         left = implicit_step(0.5 * h, state, state, inertia, bias, environment, work)
         if unsolved(left, tolerance, work):
             return STUCK
+        if table[ADVANCE] != 0:
+            keep_command(0.5 * h, inertia, environment, work)
         bad = move_memory(0.5 * h, state, state, table)
         if bad != 0:
             return bad
@@ -148,6 +152,8 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
         return STUCK
+    if table[ADVANCE] != 0:
+        keep_command(h, inertia, environment, work)
     bad = move_memory(h, state, state + FULL, table)
     if bad != 0:
         return bad
@@ -162,6 +168,8 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     left = implicit_step(0.5 * h, state, half, inertia, bias, environment, work)
     if unsolved(left, tolerance, work):
         return STUCK
+    if table[ADVANCE] != 0:
+        keep_command(0.5 * h, inertia, environment, work)
     bad = move_memory(0.5 * h, state, half, table)
     return bad if bad != 0 else within_bounds(half, work)
 

@@ -58,7 +58,7 @@ DRIFT = TERMINAL_C + 3  # rate at which S changes apart from the motion [rad/s^2
 SHAPED = 0  # column of FLAGS: whether SHAPE is in use
 HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
 HELD = 2  # column of FLAGS: whether a joint is SLIDING
-CURVED = 4  # column of FLAGS: whether the curves were solved, not their tangents
+CURVED = 4  # column of FLAGS: how the step was solved: BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES
 BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
 PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
 

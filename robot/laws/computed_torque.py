@@ -6,19 +6,39 @@ from typing import Literal
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
+from slidetune.robot.fields.quantity import JOINTS, PerJoint, field
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import AD, BENDS, FLAGS, GAIN, REACH, SHAPE, SHAPED, TAU, S
+from slidetune.robot.kernels.workspace import (
+    AD,
+    BENDS,
+    FLAGS,
+    GAIN,
+    REACH,
+    SHAPE,
+    SHAPED,
+    TAU,
+    S,
+    stacked,
+)
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, linear_surface
 
 Array = np.ndarray
 
 RATIO, KD = 0, 1
+_, OBSERVER = stacked(2, OBSERVER_ROWS)
 
 
-class ComputedTorque(Section):
+class ComputedTorque(ObserverGains):
     """Gains of computed torque PD."""
 
     law: Literal["computed_torque"] = "computed_torque"
@@ -47,14 +67,14 @@ class ComputedTorque(Section):
     )
 
     def pack(self) -> Array:
-        """Return kp/kd and kd. Shape (2, 6)."""
+        """Return kp/kd, kd and the observer's gains. Shape (4, 6)."""
         block = np.empty((2, JOINTS))
         block[RATIO], block[KD] = np.divide(self.kp, self.kd), self.kd
-        return block
+        return np.vstack([block, self.pack_observer()])
 
 
 @kernel
-def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Computed torque with PD feedback, written to TAU [N m].
 
     .. math:: \tau = M(\ddot q_d + k_d \dot e + k_p e) + C\dot q + G
@@ -62,7 +82,8 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
     Its sliding variable is :math:`S = \dot e + (k_p/k_d) e`, so that the feedback is k_d S.
 
     Args:
-        gains: numbers of ``ComputedTorque.pack``. Shape (2, 6).
+        state: first row of the state whose memory counts.
+        gains: numbers of ``ComputedTorque.pack``. Shape (4, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -79,6 +100,14 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
             work[SHAPE + i, j] = nominal_M[i, j]
             torque += nominal_M[i, j] * (work[AD, j] + work[REACH, j])
         work[TAU, i] = torque
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, 0, nominal_M, work)
+
+
+@kernel
+def advance(h, _, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    """Move the memory of the observer on; see ``Law``."""
+    advance_observer(h, gains[OBSERVER], into, 0, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -89,4 +118,5 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
+    advance=advance,
 )

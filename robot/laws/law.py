@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, TypedDict
 
 import numpy as np
 
 from slidetune.robot.fields.quantity import Section
 from slidetune.robot.integrator.law_call import Advance, Control
+from slidetune.robot.laws.terms.observer import OBSERVER_MEMORY
 
 Array = np.ndarray
 
@@ -51,7 +52,7 @@ class Law:
             step of length h [s], and may read what that left in the workspace: S at its end is
             S_FREE - S_FALL a, a in RIGHT. In sampled mode (``FLAGS``, ``PERIOD``) it is called once
             a control period h, when TAU has been limited. Like ``control`` a ``kernel``; a plain
-            function is called back.
+            function is called back. Of a law with an observer it moves that one's rows on, too.
     """
 
     name: str
@@ -63,6 +64,12 @@ class Law:
     network: bool
     memory: int = 0
     advance: Advance | None = None
+
+    def used_by(self, lane: Section) -> Law:
+        """Return the law as a lane uses it: with an observer's memory, or without one at all."""
+        if getattr(lane, "observer", "none") != "none":
+            return replace(self, memory=self.memory + OBSERVER_MEMORY)
+        return self if self.memory else replace(self, advance=None)
 
     @property
     def kernels(self) -> LawKernels:

@@ -27,6 +27,14 @@ from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach, implicit_reach_shaped
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.surface import MU, NFTSM_ROWS, RATIO, C, NftsmSurface, nftsm_surface
 from slidetune.robot.laws.terms.switching import (
     CODES,
@@ -38,10 +46,10 @@ from slidetune.robot.laws.terms.switching import (
 
 Array = np.ndarray
 
-SURFACE, REACHING, INERTIA_SHAPED = stacked(NFTSM_ROWS, CURVE_ROWS, 1)
+SURFACE, REACHING, INERTIA_SHAPED, OBSERVER = stacked(NFTSM_ROWS, CURVE_ROWS, 1, OBSERVER_ROWS)
 
 
-class Nftsm(NftsmSurface, ReachingGains):
+class Nftsm(NftsmSurface, ReachingGains, ObserverGains):
     """Gains of NFTSM."""
 
     law: Literal["nftsm"] = "nftsm"
@@ -55,13 +63,14 @@ class Nftsm(NftsmSurface, ReachingGains):
     )
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (10, 6)."""
+        """Return all gains as numbers. Shape (12, 6)."""
         shaped = np.full((1, JOINTS), float(self.inertia_shaped))
-        return np.vstack([self.pack_surface(), self.pack_reaching(), shaped])
+        observer = self.pack_observer()
+        return np.vstack([self.pack_surface(), self.pack_reaching(), shaped, observer])
 
 
 @kernel
-def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Torque of NFTSM (Liu et al. 2025, Eq. 9, 13, 14, corrected), written to TAU [N m].
 
     .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
@@ -69,7 +78,8 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
     With ``inertia_shaped`` the reaching law stands behind :math:`M\Gamma^{-1}` (ours).
 
     Args:
-        gains: numbers of ``Nftsm.pack``. Shape (10, 6).
+        state: first row of the state whose memory counts.
+        gains: numbers of ``Nftsm.pack``. Shape (12, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -95,6 +105,14 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
                 work[TAU, i] += share * work[REACH, j]
         else:
             work[TAU, i] += work[REACH, i]
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, 0, nominal_M, work)
+
+
+@kernel
+def advance(h, _, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    """Move the memory of the observer on; see ``Law``."""
+    advance_observer(h, gains[OBSERVER], into, 0, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -105,4 +123,5 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
+    advance=advance,
 )

@@ -13,6 +13,14 @@ from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import (
     CODES,
@@ -24,27 +32,28 @@ from slidetune.robot.laws.terms.switching import (
 
 Array = np.ndarray
 
-SURFACE, REACHING = stacked(LINEAR_ROWS, CURVE_ROWS)
+SURFACE, REACHING, OBSERVER = stacked(LINEAR_ROWS, CURVE_ROWS, OBSERVER_ROWS)
 
 
-class Smc(LinearSurface, ReachingGains):
+class Smc(LinearSurface, ReachingGains, ObserverGains):
     """Gains of SMC."""
 
     law: Literal["smc"] = "smc"
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (6, 6)."""
-        return np.vstack([self.pack_surface(), self.pack_reaching()])
+        """Return all gains as numbers. Shape (8, 6)."""
+        return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_observer()])
 
 
 @kernel
-def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Torque of SMC: equivalent control and a reaching law, written to TAU [N m].
 
     .. math:: \tau = \tau_{eq} + k_1 S + k_2 \tanh(S/\epsilon)
 
     Args:
-        gains: numbers of ``Smc.pack``. Shape (6, 6).
+        state: first row of the state whose memory counts.
+        gains: numbers of ``Smc.pack``. Shape (8, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -58,6 +67,14 @@ def control(_, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-
     work[FLAGS, SHAPED] = 0.0
     for j in range(JOINTS):
         work[TAU, j] += work[REACH, j]
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, 0, nominal_M, work)
+
+
+@kernel
+def advance(h, _, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
+    """Move the memory of the observer on; see ``Law``."""
+    advance_observer(h, gains[OBSERVER], into, 0, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -68,4 +85,5 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
+    advance=advance,
 )

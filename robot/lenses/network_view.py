@@ -9,6 +9,8 @@ import numpy as np
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws.terms.network import NetworkGains
+from slidetune.robot.lenses import observer_view
+from slidetune.robot.lenses.observer_view import ObserverView
 from slidetune.robot.lenses.probe import Probe
 from slidetune.robot.lenses.screen import every_few
 from slidetune.robot.loop.response import thinned
@@ -136,7 +138,7 @@ def _rms(values: Array) -> float:
 
 def look(
     packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None
-) -> NetworkView | None:
+) -> NetworkView | ObserverView | None:
     """Look at a lane's run through the network lens.
 
     Args:
@@ -146,11 +148,11 @@ def look(
         quiet: what it did without sensor noise; not looked at.
 
     Returns:
-        ``None`` where the law has no network.
+        What its observer saw where the law has no network; ``None`` where it has neither.
     """
     gains = packed.experiment.lanes[name]
     if not isinstance(gains, NetworkGains):
-        return None
+        return observer_view.look(packed, name, run)
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     inputs = visited_inputs(gains, run)[:rows]
     centers, widths = gains.centers(), np.broadcast_to(np.asarray(gains.width, float), JOINTS)

@@ -31,7 +31,8 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
     """
     if packed.chain is None or not packed.compiled:
         return None
-    simulation, law = packed.experiment.simulation, LAWS[packed.experiment.lanes[lane.name].law]
+    simulation, gains = packed.experiment.simulation, packed.experiment.lanes[lane.name]
+    law = LAWS[gains.law].used_by(gains)
     sampled = simulation.mode == "sampled"
     truth = nominal = chain_of(packed.chain)
     if measures_apart(law, packed) if sampled else law.model_based and packed.nominal is not None:

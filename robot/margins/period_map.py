@@ -58,6 +58,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.drives import Drives
+from slidetune.robot.margins.observer_state import begin_observer, observer_rows
 from slidetune.robot.margins.timing import Timing, timing
 from slidetune.robot.motion.trajectory import reference
 
@@ -83,8 +84,8 @@ class PeriodMap:
 
     .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
 
-    x: deviations of angle, velocity, of the torques of drives with a lag, and of the weights along
-    the hidden outputs; u: the commanded torque.
+    x: deviations of angle, velocity, of the torques of drives with a lag, of the weights along the
+    hidden outputs, and of what an observer remembers; u: the commanded torque.
 
     Attributes:
         own: A: arm and learning without the torque. Shape (m, m).
@@ -187,7 +188,7 @@ class Around:
         """
         lane = packed.experiment.lanes[name]
         self._packed, self._time, self._lane = packed, time, lane
-        self._law, self._gains = LAWS[lane.law], packed.gains[name].copy()
+        self._law, self._gains = LAWS[lane.law].used_by(lane), packed.gains[name].copy()
         self.work = work = np.zeros((WORK_ROWS, JOINTS))
         reference(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
@@ -206,12 +207,15 @@ class Around:
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
+        self._memory = observer_rows(LAWS[lane.law], lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         if self._law.memory:
             self._weights = work[CURRENT + W : CURRENT + W + NODES].copy()  # as it has begun
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
+        if len(self._memory):
+            begin_observer(LAWS[lane.law], cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
         known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
         self.learning: Array = np.flatnonzero(known)
@@ -270,8 +274,8 @@ class Around:
 
     def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
         """Return slopes of learning, of the rest of the torque and of its reaching law."""
-        first, held = self._arm_size, self._weights
-        size = first + len(self.learning)
+        first, held, known = self._arm_size, self._weights, self._arm_size + len(self.learning)
+        size = known + len(self._memory) * JOINTS
         learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
         start = self.v - error
         self._ask(self.q, start)
@@ -297,6 +301,10 @@ class Around:
                     q[column] += side
                 elif column < 2 * JOINTS:
                     v[column - JOINTS] += side
+                elif column >= known:
+                    row, joint = divmod(column - known, JOINTS)
+                    self._weights = held.copy()
+                    self._weights[self._memory[row], joint] += side
                 else:
                     joint = self.learning[column - first]
                     self._weights = held.copy()
@@ -324,13 +332,14 @@ class Around:
         return np.asarray(period * (k2[:, None] * per_torque).min(axis=0))
 
     def _answer(self, held: Array) -> tuple[Array, Array, Array]:
-        """Return torque, reaching torque, and weights along the hidden outputs."""
+        """Return torque, reaching torque, and weights along the hidden outputs or memory."""
         work = self.work
         reached = work[REACH].copy()
         if work[FLAGS, SHAPED] != 0.0:
             reached = work[SHAPE : SHAPE + JOINTS] @ reached
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
-        return work[TAU].copy(), reached, moved[self.learning]
+        memory = work[CURRENT + W + self._memory].ravel()
+        return work[TAU].copy(), reached, np.concatenate([moved[self.learning], memory])
 
     def _arm_step(self) -> Array:
         """Return slopes of angle and velocity after one step over themselves and the torque."""

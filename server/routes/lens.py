@@ -56,7 +56,8 @@ def lens_router(app_state: AppState) -> APIRouter:
 
         ``sliding``: each joint's (e, de) plane with its sliding curve, and V over time.
         ``network``: the Gaussians over the inputs visited, the weights, and f beside the torque
-        that an exact model would have needed; ``null`` without a network.
+        that an exact model would have needed; of a law with a disturbance observer
+        (``observer``) its estimate f beside the true F; ``null`` with neither.
         ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
 
         Where sensors are noisy, ``chattering.quiet`` and ``sliding.quiet_turns`` tell the same of a

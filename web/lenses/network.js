@@ -1,5 +1,8 @@
 // @ts-check
-/** The network lens: what the Gaussians see, what the weights keep, what f has learnt. */
+/**
+ * The network lens: what the Gaussians see, what the weights keep, what f has learnt; or what a
+ * disturbance observer has seen.
+ */
 
 import {plain} from '../plots/figure.js';
 import {LensCard, choice, percent} from './card.js';
@@ -26,11 +29,14 @@ export class NetworkLens {
   #gaussians = new LensFigure({height: 230});
   #weights = new LensFigure({height: 190});
   #torque = new LensFigure({height: 230});
+  #loss = new LensFigure({height: 230});
   #fit = 'visited';
   /** @type {Look|null} */ #look = null;
   #gaussianCard;
   #weightCard;
   #torqueCard;
+  #observerCard;
+  #networkCards;
 
   constructor() {
     const fit = choice('Range of the axis', [
@@ -50,9 +56,14 @@ export class NetworkLens {
       words: 'Dashed: the torque τ_eq + F that exact knowledge of arm and disturbance would '
         + 'give. The reaching law k₁S + k₂sw(S) supplies what f does not, and that takes an error.',
     }, this.#torque.element);
-    this.element = [
-      this.#gaussianCard.element, this.#weightCard.element, this.#torqueCard.element,
-    ];
+    this.#observerCard = new LensCard({
+      title: 'What the observer sees', equation: '',
+      words: 'Dashed: the torque F that the world takes, disturbance and friction. The observer '
+        + 'infers it from how the arm moved under the torque, by the model, and adds it; what it '
+        + 'misses is left to the reaching law.',
+    }, this.#loss.element);
+    this.#networkCards = [this.#gaussianCard, this.#weightCard, this.#torqueCard];
+    this.element = [...this.#networkCards, this.#observerCard].map(({element}) => element);
   }
 
   /**
@@ -63,10 +74,18 @@ export class NetworkLens {
     const {seen: {network}, joint, lane} = look;
     if (!network) {
       return `${lane} has no network: it computes τ_eq from a model of the arm. Choose an RBFNN lane `
-        + 'to see what its network has learnt.';
+        + 'to see what its network has learnt, or a disturbance observer for this one.';
+    }
+    const observed = 'observer' in network;
+    for (const {element: card} of this.#networkCards) card.hidden = observed;
+    this.#observerCard.element.hidden = !observed;
+    const one = network.joints[joint - 1];
+    if (observed) {
+      this.#look = null;
+      this.#showObserver(look, one);
+      return undefined;
     }
     this.#look = look;
-    const one = network.joints[joint - 1];
     const [name, symbol] = INPUTS[network.input] ?? ['the input', 'x'];
     this.#gaussianCard.words = `Each curve is one Gaussian’s activation h over ${name} ${symbol} of joint `
       + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
@@ -87,6 +106,24 @@ export class NetworkLens {
       torqueFigure(colors, look, network, one)
     ));
     return undefined;
+  }
+
+  /**
+   * @param {Look} look
+   * @param {any} one
+   */
+  #showObserver(look, one) {
+    const {seen: {network}, joint} = look;
+    this.#observerCard.facts = [
+      {name: 'lost', value: `${threeDigits(one.lost_rms)} N·m`,
+        title: 'Root mean square of F over the second half of the run'},
+      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
+      {name: 'observed', value: one.known === null ? '–' : percent(one.known)},
+    ];
+    this.#observerCard.finding = observerFinding(one);
+    this.#loss.draw(`Joint ${joint}: the observer’s estimate beside F`, (colors) => (
+      torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, 'F')
+    ));
   }
 
   #drawGaussians() {
@@ -149,6 +186,20 @@ function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
   }
   return `In the second half of the run f supplies ${percent(learnt)} of the ${all} N·m that are `
     + `needed; ${rest} N·m are left to the reaching law.`;
+}
+
+/** @param {any} one */
+function observerFinding({known, lost_rms: lost, missing_rms: missing}) {
+  const [all, rest] = [threeDigits(lost), threeDigits(missing)];
+  if (known === null) {
+    return `F is zero on this joint. What is estimated, ${rest} N·m, is an error of the model, or noise.`;
+  }
+  if (known < 0.1) {
+    return `The estimate misses ${rest} N·m against the ${all} N·m of F: the model is off, K_o is too low `
+      + 'for how fast F changes, or noise drowns it.';
+  }
+  return `In the second half of the run the estimate covers ${percent(known)} of the ${all} N·m of F; `
+    + `${rest} N·m are left to the reaching law.`;
 }
 
 /**
@@ -234,8 +285,9 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
  * @param {Look} look
  * @param {any} network
  * @param {any} one
+ * @param {string} [wanted] what f is held against
  */
-function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one) {
+function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one, wanted = 'needed') {
   // Of a long run only some samples are here.
   const steps = isSampledEvery(hold, (x[x.length - 1] - x[0]) / (x.length - 1));
   const line = (/** @type {string} */ uid, /** @type {string} */ name, /** @type {number[]} */ y,
@@ -245,7 +297,7 @@ function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one)
   });
   return {
     data: [
-      line('needed', 'needed', one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
+      line('needed', wanted, one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
       line('f', 'f', one.f, {color, width: 1.8, shape: steps ? 'hv' : 'linear'}),
     ],
     layout: {

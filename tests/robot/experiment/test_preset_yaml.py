@@ -82,6 +82,9 @@ def experiments(draw: st.DrawFn) -> Experiment:
         "disturbance": draw(sections(Disturbance)),
         "simulation": draw(sections(Simulation)),
     }
+    for lane in document["lanes"].values():
+        if (lane.get("switching"), lane.get("reaching")) == ("implicit", "power"):
+            lane["switching"] = "sign"
     if any(lane.get("switching") == "sign" for lane in document["lanes"].values()):
         document["simulation"]["mode"] = "sampled"
     for lane in document["lanes"].values():

@@ -67,6 +67,8 @@ BASE: dict[str, Any] = {
     "z_max": 0.5,
     "k2_min": 10.0,
     "adaptation_rate": 1000.0,
+    "observer": "none",
+    "observer_rate": 30.0,
 }
 CHANGED: dict[str, Any] = {
     "p": 11.0,
@@ -75,8 +77,9 @@ CHANGED: dict[str, Any] = {
     "switching": "saturation",
     "reaching": "power",
     "inertia_shaped": True,
+    "observer": "momentum",
 }
-NEEDED = {"alpha": {"reaching": "power"}}
+NEEDED = {"alpha": {"reaching": "power"}, "observer_rate": {"observer": "momentum"}}
 # An adapted gain only grows, and comes to its bound, where S is outside of the layer.
 GROWING = {"k2", "adaptation_rate"}
 GAINS = [(law, name) for law in LAWS for name in LAWS[law].lane.model_fields if name != "law"]

@@ -66,9 +66,19 @@ VARIANTS: Document = {
     "fast": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 8, "k2": 5, "epsilon": 0.1},
     "shaped": {"law": "nftsm", "inertia_shaped": True, "k1": 5, "k2": 5},
     "sign": {"law": "smc", "switching": "sign"},
+    "shaped sign": {"law": "nftsm", "inertia_shaped": True, "switching": "sign"},
+}
+FURTHER_VARIANTS: Document = {
     "implicit": {"law": "smc", "switching": "implicit", **CALM},
     "shaped implicit": {"law": "nftsm", "inertia_shaped": True, "switching": "implicit", **CALM},
-    "shaped sign": {"law": "nftsm", "inertia_shaped": True, "switching": "sign"},
+    "observed": {"law": "smc", "observer": "momentum", "observer_rate": 20, **CALM},
+    "observed, shaped": {
+        "law": "nftsm",
+        "inertia_shaped": True,
+        "observer": "momentum",
+        "observer_rate": 20,
+        **CALM,
+    },
 }
 SAMPLED = {"mode": "sampled", "control_rate": 1000.0}
 MODES: Document = {
@@ -201,7 +211,7 @@ def test_every_law_is_compared() -> None:
 @pytest.mark.parametrize(("mode", "robot"), list(product(MODES, ARMS)))
 def test_one_call_gives_the_rows_of_single_steps(mode: str, robot: str) -> None:
     simulation = {**MODES[mode], "horizon": 0.1, "initial_error": 0.02}
-    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS):
+    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS, FURTHER_VARIANTS):
         experiment = Experiment.from_document({"lanes": lanes, "simulation": simulation})
         experiment = experiment.patched({"robot": {"armature": 1.0}}).patched(ARMS[robot])
         for name in lanes:

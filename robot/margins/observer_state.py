@@ -1,0 +1,35 @@
+"""What a disturbance observer remembers, as further states of a control period's linear map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from slidetune.robot.kernels.workspace import AD, VD
+from slidetune.robot.laws.law import Law
+from slidetune.robot.laws.terms.observer import LAST_V, LOSS, SPAN, UNDRIVEN
+
+Array = np.ndarray
+
+
+def observer_rows(law: Law, lane: Any) -> Array:
+    """Return the rows, from that of the first weight on, that a lane's observer carries on."""
+    if getattr(lane, "observer", "none") == "none":
+        return np.array([], int)
+    return law.memory + np.array([LOSS, LAST_V, UNDRIVEN])
+
+
+def begin_observer(law: Law, period: float, inertia: Array, work: Array, memory: Array) -> None:
+    """Let an observer have seen the desired motion, and nothing that the arm loses.
+
+    Args:
+        law: the lane's law.
+        period: control period in [s].
+        inertia: M of the nominal arm. Shape (6, 6).
+        work: workspace with the desired motion.
+        memory: rows of the state in the place of the weights; written. Shape (10, 6).
+    """
+    memory[law.memory + LAST_V] = work[VD] - period * work[AD]
+    memory[law.memory + UNDRIVEN] = -inertia @ work[AD]
+    memory[law.memory + SPAN] = period
