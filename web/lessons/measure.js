@@ -8,8 +8,6 @@ import {amplitudeSpectrum} from '../curves/spectrum.js';
 
 const JOINTS = [1, 2, 3, 4, 5, 6];
 const AXES = ['x', 'y', 'z'];
-/** Frequency in [Hz] above which torque counts as chattering, as the server has it. */
-const HIGH_FREQUENCY = 50;
 /** A Hann window shows a sine in three bins: by so much their powers are more than its own. */
 const HANN_BINS = 1.5;
 
@@ -31,9 +29,9 @@ const RULES = {
   reaching_time: (figure, columns, {dt}) => ofJoint(figure, columns('S').map((S, index) => (
     figure.since + dt * reachedRow(S, figure.layer[index])
   ))),
-  high_frequency_torque: (_, columns, {dt}) => Math.sqrt(sum(columns('tau').map((tau) => {
+  high_frequency_torque: ({high_frequency: bound}, columns, {dt}) => Math.sqrt(sum(columns('tau').map((tau) => {
     const {frequency, amplitude} = amplitudeSpectrum(tau, dt);
-    return sum([...amplitude].filter((__, bin) => frequency[bin] >= HIGH_FREQUENCY)
+    return sum([...amplitude].filter((__, bin) => frequency[bin] >= bound)
       .map((size) => (size * size) / 2 / HANN_BINS));
   }))),
   flange_rms: (_, columns) => {
