@@ -156,6 +156,7 @@ _ENTRIES = (
         shown_unit="1/s",
         meaning=f"Reversals per second, by more than {DEADBAND:g} N·m each, of the torque",
         column=True,
+        extra=True,
         live=True,
         **_GREATEST,
     ),
