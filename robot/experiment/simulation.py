@@ -97,6 +97,18 @@ class Simulation(Section):
         step=0.01,
         meaning="Desired minus actual angle at t = 0.",
     )
+    high_frequency: Number = field(
+        50.0,
+        title="High frequency",
+        symbol="f_h",
+        unit="Hz",
+        low=10.0,
+        high=5000.0,
+        step=1.0,
+        scale="log",
+        meaning="Torque above it counts as chattering in the figures and the chattering lens; the "
+        "motion does not depend on it. Torque above half the rate of the rows is not seen.",
+    )
 
     @property
     def row_period(self) -> float:

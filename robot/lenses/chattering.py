@@ -9,7 +9,7 @@ import numpy as np
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.figures import FIGURES
-from slidetune.robot.loop.metrics import HIGH_FREQUENCY, torque_spectrum, total_variation
+from slidetune.robot.loop.metrics import torque_spectrum, total_variation
 from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
@@ -25,8 +25,8 @@ class ChatteringJoint:
     Attributes:
         density: amplitude density of its torque in [N m/sqrt(Hz)]. Shape (n,).
         variation: total variation of its torque a second in [N m/s].
-        switches: sign changes of its sliding variable a second.
-        above: effective torque above 50 Hz in [N m], ``None`` where it can't be told.
+        switches: reversals of its torque a second.
+        above: effective torque above ``limit`` in [N m], ``None`` where it can't be told.
     """
 
     density: Array
@@ -44,8 +44,8 @@ class ChatteringView:
         frequency: frequencies of the densities in [Hz], without 0. Shape (n,).
         joints: the six joints.
         variation: total variation of all joints in [N m/s].
-        switches: sign changes of all sliding variables a second.
-        above: effective torque above 50 Hz, root sum of squares over the joints in [N m].
+        switches: reversals of all joints' torques a second.
+        above: effective torque above ``limit``, root sum of squares over the joints in [N m].
         mae: mean absolute error over all joints in [rad].
         max_error: greatest error in [rad].
         quiet: the same of a run without sensor noise, ``None`` where there is no such noise.
@@ -60,25 +60,6 @@ class ChatteringView:
     mae: float | None
     max_error: float | None
     quiet: ChatteringView | None = None
-
-
-def switches_per_second(sliding: Array, period: float) -> Array:
-    """Return how often a second each sliding variable changes its sign; zeros are passed over.
-
-    Args:
-        sliding: sliding variables in [rad/s]. Shape (n, 6).
-        period: time between two rows in [s].
-
-    Returns:
-        Changes a second. Shape (6,).
-    """
-    if len(sliding) < 2:
-        return np.zeros(sliding.shape[1])
-    counts = []
-    for column in sliding.T:
-        signs = np.sign(column[column != 0.0])
-        counts.append(np.count_nonzero(np.diff(signs)))
-    return np.array(counts) / ((len(sliding) - 1) * period)
 
 
 def _slices(frequency: Array, density: Array) -> tuple[Array, Array]:
@@ -100,30 +81,29 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     period = packed.experiment.simulation.row_period
     torque, metrics = run.tau[:rows], run.metrics
-    switches = switches_per_second(run.S[:rows], period)
-    spectrum = torque_spectrum(torque, period)
+    spectrum = torque_spectrum(torque, period, run.high_frequency)
     frequency, density = np.empty(0), np.empty((0, JOINTS))
     above: list[float | None] = [None] * JOINTS
     if spectrum is not None:
         frequency, power = spectrum
-        high = power[frequency >= HIGH_FREQUENCY].sum(axis=0) * frequency[1]
+        high = power[frequency >= run.high_frequency].sum(axis=0) * frequency[1]
         above = np.sqrt(high).tolist()
         frequency, density = _slices(frequency[1:], np.sqrt(power[1:]))
     joints = tuple(
         ChatteringJoint(
             density=density[:, j],
             variation=total_variation(torque[:, j : j + 1], period),
-            switches=float(switches[j]),
+            switches=float(metrics.switches[j]),
             above=above[j],
         )
         for j in range(JOINTS)
     )
     return ChatteringView(
-        limit=HIGH_FREQUENCY,
+        limit=run.high_frequency,
         frequency=frequency,
         joints=joints,
         variation=metrics.chattering,
-        switches=float(switches.sum()),
+        switches=float(metrics.switches.sum()),
         above=metrics.high_frequency_torque,
         mae=FIGURES["mae"].overall(metrics.mae),
         max_error=FIGURES["max_error"].overall(metrics.max_error),

@@ -35,6 +35,7 @@ class Figure:
         until: its end in [s].
         at: the instant of ``error_at`` in [s].
         layer: within which S counts as reached in [rad/s], by joint.
+        high_frequency: above which torque counts as chattering in [Hz].
     """
 
     label: str
@@ -49,6 +50,7 @@ class Figure:
     until: float
     at: float | None
     layer: tuple[float, ...]
+    high_frequency: float
 
 
 def figures(loaded: LoadedLesson, texts: str, index: int) -> list[Figure]:
@@ -117,4 +119,5 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
         until=until,
         at=claim.at,
         layer=tuple(np.broadcast_to(np.asarray(layer, dtype=float), JOINTS).tolist()),
+        high_frequency=experiment.simulation.high_frequency,
     )

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slidetune.robot.loop.metrics import HIGH_FREQUENCY
+from slidetune.robot.loop.metrics import DEADBAND
 
 Source = Literal["run", "accuracy", "margin"]
 Reduction = Literal["mean", "greatest", "none"]
@@ -39,7 +39,10 @@ class Figure:
         meaning: what it is, without a full stop: who quotes it may add of which joint.
         source: where it stands: ``Metrics`` of a run, its ``Accuracy``, or ``Margin``.
         column: whether the page's tables have a column for it.
+        extra: whether the live table shows that only where all columns are asked for.
         live: whether the live session measures it while it runs.
+        not_live: why it doesn't, of a column.
+        unknown: why there may be none, of a column.
         studied: whether studies tell it and gains can be judged by it.
     """
 
@@ -57,7 +60,10 @@ class Figure:
     meaning: str
     source: Source = "run"
     column: bool = False
+    extra: bool = False
     live: bool = False
+    not_live: str = ""
+    unknown: str = ""
     studied: bool = False
 
     @property
@@ -143,10 +149,27 @@ _ENTRIES = (
         **_TORQUE_RATE,
     ),
     Figure(
+        name="switches",
+        title="switches a second",
+        short="switches",
+        unit="1/s",
+        shown_unit="1/s",
+        meaning=f"Reversals per second, by more than {DEADBAND:g} N·m each, of the torque",
+        column=True,
+        extra=True,
+        live=True,
+        **_GREATEST,
+    ),
+    Figure(
         name="high_frequency_torque",
-        title=f"torque above {HIGH_FREQUENCY:g} Hz",
-        short=f"τ > {HIGH_FREQUENCY:g} Hz",
-        meaning=f"Effective torque above {HIGH_FREQUENCY:g} Hz, root sum of squares of the joints",
+        title="high-frequency torque",
+        short="τ > fₕ",
+        meaning="Effective torque above the high frequency fₕ of the experiment, root sum of "
+        "squares of the joints",
+        column=True,
+        not_live="It takes the spectrum of a whole run: see the whole response.",
+        unknown="Unknown: the run is shorter than 0.25 s or 12.5 periods of fₕ, or fₕ is not below "
+        "half the rate of its rows.",
         **_TORQUE,
     ),
     Figure(
@@ -185,6 +208,30 @@ _ENTRIES = (
         meaning="Maximum distance of the flange from its desired position",
         live=True,
         **_DISTANCE,
+    ),
+    Figure(
+        name="rms_torque",
+        title="RMS torque",
+        short="RMS τ",
+        meaning="Effective torque",
+        column=True,
+        extra=True,
+        live=True,
+        **_TORQUE,
+        **_GREATEST,
+    ),
+    Figure(
+        name="itae",
+        title="ITAE",
+        short="ITAE",
+        unit="rad·s²",
+        shown_unit="mrad·s²",
+        factor=1e3,
+        meaning="Integral of time times absolute error",
+        column=True,
+        extra=True,
+        not_live="It grows without end while the session runs: see the whole response.",
+        **_GREATEST,
     ),
     Figure(
         name="diverged_at",

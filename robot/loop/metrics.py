@@ -14,8 +14,14 @@ from slidetune.robot.kernels.compiler import kernel
 
 Array = np.ndarray
 
-HIGH_FREQUENCY = 50.0
-"""Frequency [Hz] above which torque counts as chattering (*ours*)."""
+DEADBAND = 0.01
+"""Way back of the torque in [N m] that makes a reversal (*ours*): far above the rounding of a
+solved step, far below what a drive resolves."""
+SHORTEST = 0.25
+"""Shortest span in [s] whose torque has a spectrum (*ours*)."""
+FEWEST_CYCLES = 12.5
+"""Fewest cycles of the bounding frequency in that span (*ours*): the window's main lobe is four
+frequencies wide to each side, so that the motion itself stays below the bound."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +33,19 @@ class Metrics:
         max_error: greatest absolute error in [rad]. Shape (6,).
         max_velocity_error: greatest absolute velocity error in [rad/s]. Shape (6,).
         chattering: total variation of the torque of all joints a second in [N m/s].
-        high_frequency_torque: effective torque above 50 Hz, root sum of squares over the joints, in
-            [N m]; ``None`` where the span is too short or too slow to tell.
+        switches: reversals of the torque a second, see ``follow_torque``, in [1/s]. Shape (6,).
+        high_frequency_torque: effective torque above the experiment's ``high_frequency``, root sum
+            of squares over the joints, in [N m]; ``None`` where the span is too short or its rows
+            too slow to tell.
         peak_torque: greatest absolute torque in [N m]. Shape (6,).
         reaching_time: when S first was reached in [s], ``None`` for never, per joint; see
             ``reaching_times``. Shape (6,).
         flange_rms: effective distance of the flange from the desired one in [m].
         flange_max: greatest distance in [m].
+        rms_torque: effective torque in [N m]; the control effort, the integral of its square, is
+            ``rms_torque**2`` times the span. Shape (6,).
+        itae: integral of time, from the begin of the span, times absolute error (ITAE; Graham and
+            Lathrop 1953), by the trapezoidal rule, in [rad s^2]. Shape (6,).
         diverged_at: when the lane left its bounds in [s], or ``None``.
     """
 
@@ -41,11 +53,14 @@ class Metrics:
     max_error: Array
     max_velocity_error: Array
     chattering: float
+    switches: Array
     high_frequency_torque: float | None
     peak_torque: Array
     reaching_time: tuple[float | None, ...]
     flange_rms: float
     flange_max: float
+    rms_torque: Array
+    itae: Array
     diverged_at: float | None = None
 
     def document(self) -> dict[str, Any]:
@@ -64,11 +79,14 @@ NO_FIGURES = Metrics(
     max_error=np.full(JOINTS, np.nan),
     max_velocity_error=np.full(JOINTS, np.nan),
     chattering=np.nan,
+    switches=np.full(JOINTS, np.nan),
     high_frequency_torque=None,
     peak_torque=np.full(JOINTS, np.nan),
     reaching_time=(None,) * JOINTS,
     flange_rms=np.nan,
     flange_max=np.nan,
+    rms_torque=np.full(JOINTS, np.nan),
+    itae=np.full(JOINTS, np.nan),
 )
 """Figures of a span without a row."""
 
@@ -87,7 +105,7 @@ def total_variation(torque: Array, period: float) -> float:
     return float(np.abs(np.diff(torque, axis=0)).sum() / ((len(torque) - 1) * period))
 
 
-def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
+def torque_spectrum(torque: Array, period: float, above: float) -> tuple[Array, Array] | None:
     """Return the power spectral density of each joint's torque, by Welch's method.
 
     Segments of a second, half of each in the next, without their linear trend: what
@@ -96,13 +114,15 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     Args:
         torque: torque in [N m]. Shape (n, 6).
         period: time between two rows in [s].
+        above: frequency in [Hz] above which it has to tell something.
 
     Returns:
         Frequency in [Hz] from 0, evenly spaced, shape (m,), and density in [(N m)^2/Hz], shape
-        (m, 6); ``None`` where sampling is too slow for 50 Hz or the span shorter than 0.25 s.
+        (m, 6); ``None`` where half the rate of the rows is not above ``above``, or the span is
+        shorter than 0.25 s or 12.5 cycles of it.
     """
     rate = 1.0 / period
-    if rate <= 2.0 * HIGH_FREQUENCY or len(torque) * period < 0.25:
+    if rate <= 2.0 * above or len(torque) * period < max(SHORTEST, FEWEST_CYCLES / above):
         return None
     segment = min(len(torque), max(256, int(rate)))
     window = _window(segment)
@@ -119,28 +139,32 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
 
 @cache
 def _window(size: int) -> Array:
-    """Return a Blackman-Harris window, which lets nothing of a slow swing leak past 50 Hz."""
+    """Return a Blackman-Harris window, whose side lobes let nothing of a slow swing through."""
     from scipy import signal  # here, because it takes most of a second to import
 
     return np.asarray(signal.get_window("blackmanharris", size))
 
 
-def high_frequency_torque(torque: Array, period: float) -> float | None:
-    """Return the effective torque above 50 Hz in [N m], root sum of squares over the joints.
+def high_frequency_torque(torque: Array, period: float, above: float) -> float | None:
+    r"""Return the effective torque above a frequency in [N m], root sum of squares over the joints.
+
+    By Parseval's theorem the mean square of a signal is the integral of its power density.
+
+    .. math:: \sqrt{\sum_i \int_{f_h}^{1/2T} P_i(f)\,df}
 
     Args:
         torque: torque in [N m]. Shape (n, 6).
         period: time between two rows in [s].
+        above: that frequency in [Hz].
 
     Returns:
-        The figure, or ``None`` where sampling is too slow or the span shorter than 0.25 s.
+        The figure, or ``None`` where there is no spectrum of it; see ``torque_spectrum``.
     """
-    spectrum = torque_spectrum(torque, period)
+    spectrum = torque_spectrum(torque, period, above)
     if spectrum is None:
         return None
     frequency, power = spectrum
-    above = frequency >= HIGH_FREQUENCY
-    return float(np.sqrt(power[above].sum() * (frequency[1] - frequency[0])))
+    return float(np.sqrt(power[frequency >= above].sum() * (frequency[1] - frequency[0])))
 
 
 def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | None, ...]:
@@ -159,20 +183,89 @@ def reaching_times(time: Array, sliding: Array, layer: Array) -> tuple[float | N
     return tuple(float(time[np.argmax(column)]) if column.any() else None for column in inside.T)
 
 
+DIRECTION, HIGHEST, LOWEST = 0, 1, 2
+"""Rows of what ``follow_torque`` remembers of a torque: its direction (1 up, -1 down, 0 not known
+yet), and its highest and lowest value [N m] since it turned, of which it needs the last extreme."""
+
+
+def unturned() -> Array:
+    """Return what ``follow_torque`` remembers before the first row. Shape (3, 6)."""
+    memory = np.zeros((3, JOINTS))
+    memory[HIGHEST], memory[LOWEST] = -np.inf, np.inf
+    return memory
+
+
 @kernel
-def _sums_and_peaks(error, velocity_error, torque, out):  # type: ignore[no-untyped-def]
-    """Write each joint's sum of ``|e|`` in [rad] and the greatest ``|e|``, ``|de|``, torque."""
+def follow_torque(torque, memory, way, reversals):  # type: ignore[no-untyped-def]
+    """Add up the way of each joint's torque and its reversals: by DEADBAND back from an extreme.
+
+    The turning points of rainflow counting (ASTM E1049), with hysteresis. A square wave and a sine
+    of frequency f turn 2 f times a second, however they are sampled; what stays within the deadband
+    never turns. S is not asked: within a smooth layer its sign changes without a torque that does,
+    and where a law holds it at zero with its last bit.
+
+    Args:
+        torque: torque in [N m]. Shape (n, 6).
+        memory: what ``unturned`` returned, carried on from the rows before. Shape (3, 6).
+        way: from the first of these rows to the last in [N m]. Shape (6,).
+        reversals: counts. Shape (6,).
+    """
+    for j in range(JOINTS):
+        before = torque[0, j]
+        direction, highest, lowest = memory[DIRECTION, j], memory[HIGHEST, j], memory[LOWEST, j]
+        moved, count = 0.0, 0.0
+        for row in range(len(torque)):
+            value = torque[row, j]
+            moved += abs(value - before)
+            before = value
+            if direction >= 0.0:
+                if value > highest:
+                    highest = value
+                elif value < highest - DEADBAND:
+                    count += direction
+                    direction, lowest = -1.0, value
+                    continue
+            if direction <= 0.0:
+                if value < lowest:
+                    lowest = value
+                elif value > lowest + DEADBAND:
+                    count -= direction
+                    direction, highest = 1.0, value
+        memory[DIRECTION, j], memory[HIGHEST, j], memory[LOWEST, j] = direction, highest, lowest
+        way[j] += moved
+        reversals[j] += count
+
+
+SUMS = 8
+ERROR, MAX_ERROR, MAX_VELOCITY_ERROR, TIMED_ERROR = 0, 1, 2, 3
+PEAK_TORQUE, SQUARED_TORQUE, WAY, REVERSALS = 4, 5, 6, 7
+"""Rows of what ``_sums_and_peaks`` writes: the sum of ``|e|`` in [rad], the greatest ``|e|`` and
+``|de|``, the sum of row number times ``|e|``; the greatest torque in [N m], the sum of its square,
+its way in [N m] and its reversals."""
+
+
+@kernel
+def _sums_and_peaks(error, velocity_error, torque, memory, out):  # type: ignore[no-untyped-def]
     for row in range(len(error)):
         for j in range(JOINTS):
-            size = abs(error[row, j])
-            out[0, j] += size
-            out[1, j] = max(out[1, j], size)
-            out[2, j] = max(out[2, j], abs(velocity_error[row, j]))
-            out[3, j] = max(out[3, j], abs(torque[row, j]))
+            size, value = abs(error[row, j]), torque[row, j]
+            out[ERROR, j] += size
+            out[MAX_ERROR, j] = max(out[MAX_ERROR, j], size)
+            out[MAX_VELOCITY_ERROR, j] = max(
+                out[MAX_VELOCITY_ERROR, j], abs(velocity_error[row, j])
+            )
+            out[TIMED_ERROR, j] += row * size
+            out[PEAK_TORQUE, j] = max(out[PEAK_TORQUE, j], abs(value))
+            out[SQUARED_TORQUE, j] += value * value
+    follow_torque(torque, memory, out[WAY], out[REVERSALS])
 
 
 def measure_lane(
-    time: Array, columns: dict[str, Array], layer: Array, diverged_at: float | None = None
+    time: Array,
+    columns: dict[str, Array],
+    layer: Array,
+    above: float,
+    diverged_at: float | None = None,
 ) -> Metrics:
     """Return the figures of one lane.
 
@@ -181,6 +274,7 @@ def measure_lane(
         columns: ``e``, ``de``, ``tau``, ``S`` of shape (n, 6); ``flange`` and ``flange_desired`` of
             shape (n, 3).
         layer: within which S counts as reached in [rad/s]. Shape (6,).
+        above: frequency above which torque counts as chattering in [Hz].
         diverged_at: when the lane left its bounds in [s], or ``None``.
     """
     if not len(time):
@@ -188,17 +282,23 @@ def measure_lane(
     period = float(time[1] - time[0]) if len(time) > 1 else 1.0
     torque, way = columns["tau"], columns["flange"] - columns["flange_desired"]
     distance = np.sqrt(np.einsum("ij,ij->i", way, way))
-    figures = np.zeros((4, JOINTS))
-    _sums_and_peaks(columns["e"], columns["de"], torque, figures)
+    figures, rows = np.zeros((SUMS, JOINTS)), len(time)
+    _sums_and_peaks(columns["e"], columns["de"], torque, unturned(), figures)
+    between = max(rows - 1, 1) * period
+    # By the trapezoidal rule; at the first row time is 0.
+    timed = figures[TIMED_ERROR] - 0.5 * (rows - 1) * np.abs(columns["e"][-1])
     return Metrics(
-        mae=figures[0] / len(time),
-        max_error=figures[1],
-        max_velocity_error=figures[2],
-        chattering=total_variation(torque, period),
-        high_frequency_torque=high_frequency_torque(torque, period),
-        peak_torque=figures[3],
+        mae=figures[ERROR] / rows,
+        max_error=figures[MAX_ERROR],
+        max_velocity_error=figures[MAX_VELOCITY_ERROR],
+        chattering=float(figures[WAY].sum() / between),
+        switches=figures[REVERSALS] / between,
+        high_frequency_torque=high_frequency_torque(torque, period, above),
+        peak_torque=figures[PEAK_TORQUE],
         reaching_time=reaching_times(time, columns["S"], layer),
         flange_rms=float(np.sqrt(np.mean(distance**2))),
         flange_max=float(distance.max()),
+        rms_torque=np.sqrt(figures[SQUARED_TORQUE] / rows),
+        itae=timed * period**2,
         diverged_at=diverged_at,
     )

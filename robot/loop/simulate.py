@@ -76,6 +76,7 @@ class LaneRun:
         flange_desired: desired ones in [m]. Shape (n, 3).
         layer: within which S counts as reached in [rad/s], 0 for a law that has no reaching law.
             Shape (6,).
+        high_frequency: above which torque counts as chattering in [Hz].
         freeze: why it stopped, or ``None``.
         accuracy: how good all of this is.
     """
@@ -92,6 +93,7 @@ class LaneRun:
     flange: Array
     flange_desired: Array
     layer: Array
+    high_frequency: float
     freeze: Freeze | None
     time: Array = field(repr=False)
     accuracy: Accuracy = field(default_factory=Accuracy)
@@ -110,7 +112,7 @@ class LaneRun:
         names = ("e", "de", "tau", "S", "flange", "flange_desired")
         columns = {name: getattr(self, name)[rows] for name in names}
         diverged = None if self.freeze is None else self.freeze.time
-        return measure_lane(self.time[rows], columns, self.layer, diverged)
+        return measure_lane(self.time[rows], columns, self.layer, self.high_frequency, diverged)
 
 
 @dataclass(frozen=True)
@@ -257,6 +259,7 @@ def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy)
         flange=flange_positions(columns["q"]),
         flange_desired=motion.flange,
         layer=layer_of(packed, lane.name),
+        high_frequency=packed.experiment.simulation.high_frequency,
         freeze=lane.freeze,
         time=motion.time,
         accuracy=good,

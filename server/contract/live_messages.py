@@ -84,8 +84,9 @@ class Since(BaseModel):
     reason: Literal["reset", "change", "added", "branch"] = Field(
         description="`reset`: the session was reset, or its experiment loaded. `change`: the last "
         "change of the lane's closed loop: its law or gains, the arm, the trajectory, the "
-        "disturbance or the simulation; a rename, a kick and the horizon do not count. `added`: "
-        "the lane is new or a copy. `branch`: the session went back to this moment."
+        "disturbance or the simulation; a rename, a kick, the horizon and the high frequency do "
+        "not count. `added`: the lane is new or a copy. `branch`: the session went back to this "
+        "moment."
     )
 
 
@@ -104,9 +105,11 @@ class Figures(BaseModel):
     max_error: _PerJoint = _figure("max_error")
     max_velocity_error: _PerJoint = _figure("max_velocity_error")
     chattering: float = _figure("chattering")
+    switches: _PerJoint = _figure("switches")
     peak_torque: _PerJoint = _figure("peak_torque")
     flange_rms: float = _figure("flange_rms")
     flange_max: float = _figure("flange_max")
+    rms_torque: _PerJoint = _figure("rms_torque")
 
 
 class SamplingMargin(BaseModel):

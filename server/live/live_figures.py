@@ -24,6 +24,8 @@ ROUNDING = 1e-6
 """Part of a row by which its time may be off (*ours*)."""
 _SHARED = ("robot", "trajectory", "disturbance", "simulation")
 """Sections that belong to every lane's closed loop."""
+_WHOLE = {"horizon": 0.0, "high_frequency": 0.0}
+"""Fields of whole runs: the live session has no end, and takes no spectrum."""
 
 
 class LiveFigures:
@@ -103,5 +105,5 @@ class LiveFigures:
 
 def _part(experiment: Experiment, section: str) -> Any:
     part = getattr(experiment, section)
-    # The live session has no end: its horizon is that of whole runs alone.
-    return part.model_copy(update={"horizon": 0.0}) if section == "simulation" else part
+    # What whole runs alone have is no change of the loop.
+    return part.model_copy(update=_WHOLE) if section == "simulation" else part

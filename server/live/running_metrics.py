@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.metrics import follow_torque, unturned
 from slidetune.server.live.telemetry import Channel
 
 Array = np.ndarray
@@ -42,7 +43,9 @@ class Sums:
         max_error: greatest absolute error in [rad]. Shape (6,).
         max_velocity_error: greatest absolute velocity error in [rad/s]. Shape (6,).
         variation: way of all joints' torque from the first row to the last in [N m].
+        reversals: of each joint's torque, each counted at the row that shows it. Shape (6,).
         peak_torque: greatest absolute torque in [N m]. Shape (6,).
+        squared_torque: squared torque by time in [(N m)^2 s]. Shape (6,).
         squared_distance: squared distance of the flange by time in [m^2 s].
         max_distance: greatest distance of the flange in [m].
     """
@@ -54,7 +57,9 @@ class Sums:
     max_error: Array = field(default_factory=_six)
     max_velocity_error: Array = field(default_factory=_six)
     variation: float = 0.0
+    reversals: Array = field(default_factory=_six)
     peak_torque: Array = field(default_factory=_six)
+    squared_torque: Array = field(default_factory=_six)
     squared_distance: float = 0.0
     max_distance: float = 0.0
 
@@ -70,7 +75,9 @@ class Sums:
         self.max_error = np.maximum(self.max_error, other.max_error)
         self.max_velocity_error = np.maximum(self.max_velocity_error, other.max_velocity_error)
         self.variation += other.variation
+        self.reversals += other.reversals
         self.peak_torque = np.maximum(self.peak_torque, other.peak_torque)
+        self.squared_torque += other.squared_torque
         self.squared_distance += other.squared_distance
         self.max_distance = max(self.max_distance, other.max_distance)
 
@@ -84,9 +91,11 @@ class Sums:
             "max_error": self.max_error.tolist(),
             "max_velocity_error": self.max_velocity_error.tolist(),
             "chattering": self.variation / between if between > 0.0 else 0.0,
+            "switches": (self.reversals / between if between > 0.0 else _six()).tolist(),
             "peak_torque": self.peak_torque.tolist(),
             "flange_rms": float(np.sqrt(self.squared_distance / self.time)),
             "flange_max": self.max_distance,
+            "rms_torque": np.sqrt(self.squared_torque / self.time).tolist(),
         }
 
 
@@ -124,6 +133,7 @@ class RunningMetrics:
         self.restart_total(time, reason)
         self._spans: deque[tuple[int, Sums]] = deque()
         self._torque: Array | None = None
+        self._turns = unturned()
 
     def restart_total(self, time: float, reason: str) -> None:
         """Let the total count anew; the last ten seconds are what they are.
@@ -165,6 +175,8 @@ class RunningMetrics:
         squares = np.einsum("ij,ij->i", gap, gap)
         jump = 0.0 if self._torque is None else float(np.abs(torque[0] - self._torque).sum())
         self._torque = torque[-1].copy()
+        way, reversals = np.zeros((2, JOINTS))
+        follow_torque(torque, self._turns, way, reversals)
         return Sums(
             time=len(rows) * period,
             last=period,
@@ -172,8 +184,10 @@ class RunningMetrics:
             error=error.sum(axis=0) * period,
             max_error=error.max(axis=0),
             max_velocity_error=np.abs(rows[:, self._columns["de"]]).max(axis=0),
-            variation=float(np.abs(np.diff(torque, axis=0)).sum()),
+            variation=float(way.sum()),
+            reversals=reversals,
             peak_torque=np.abs(torque).max(axis=0),
+            squared_torque=np.einsum("ij,ij->j", torque, torque) * period,
             squared_distance=float(squares.sum()) * period,
             max_distance=float(np.sqrt(squares.max())),
         )

@@ -45,6 +45,7 @@ class LessonFigure(BaseModel):
     until: float
     at: float | None
     layer: list[float] = Field(description="|S| within which S = 0 counts as reached [rad/s].")
+    high_frequency: float = Field(description="Above which torque counts as chattering [Hz].")
 
 
 class LessonQuestion(BaseModel):

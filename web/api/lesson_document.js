@@ -9,7 +9,7 @@
 /**
  * @typedef {{label: string, window: string, quoted: string, unit: string, factor: number,
  *   metric: string, lane: string, joint: number|null, since: number, until: number, at: number|null,
- *   layer: number[]}} LessonFigure
+ *   layer: number[], high_frequency: number}} LessonFigure
  */
 /**
  * @typedef {{text: string, choices: string[], answer: number, explanation: string[],

@@ -17,7 +17,7 @@ import {written} from '../fields/quantity.js';
  */
 /**
  * `value` is as it is shown, null where there is none; `joint` says at which joint a greatest value
- * stands; `extra` columns are those of the wrist.
+ * stands; `extra` columns are those of the wrist, and of figures that say they are.
  * @typedef {{id: string, figure: Figure, title: string, unit: string, meaning: string,
  *   value: (figures: Figures|null, margin: Margin|null) => number|null,
  *   of?: number, extra?: boolean, joint?: (figures: Figures) => number, isMargin?: boolean}} Column
@@ -48,6 +48,7 @@ function columnsOf(figure) {
   };
   return [{
     id: name, figure, title, unit, meaning: `${figure.meaning}${perJoint ? ' of any joint' : ''}.`,
+    extra: figure.extra,
     value: (figures) => scaled(greatest(figures), factor),
     ...(perJoint && {joint: (figures) => figures[name].indexOf(greatest(figures)) + 1}),
   }];

@@ -9,7 +9,8 @@ import {SCHEMA} from '../api/schema_document.js';
  * @typedef {{name: string, title: string, short: string, symbol: string, unit: string,
  *   shown_unit: string, factor: number, digits: number, per_joint: boolean,
  *   reduced: 'mean'|'greatest'|'none', better: 'less'|'more'|'none', meaning: string,
- *   source: 'run'|'accuracy'|'margin', column: boolean, live: boolean, studied: boolean}} Figure
+ *   source: 'run'|'accuracy'|'margin', column: boolean, extra: boolean,
+ *   live: boolean, not_live: string, unknown: string, studied: boolean}} Figure
  */
 
 /** @type {Figure[]} in the order of the tables */

@@ -27,7 +27,7 @@ import {withScrollCue} from '../dom/scroll_cue.js';
  *   cells: HTMLTableCellElement[], notes: MetricsNotes}} Row
  */
 
-const LIVE = COLUMNS.filter(({figure}) => figure.live);
+const LIVE = COLUMNS.filter(({figure}) => figure.live || figure.not_live);
 const SPANS = /** @type {const} */ ([['total', 'since the last change'], ['recent', 'last 10 s']]);
 
 /**
@@ -89,7 +89,7 @@ class Metrics {
         class: 'button small', type: 'button', on: {click: () => this.#api.reset()},
         title: 'Back to t = 0: every lane’s figures start over (Backspace)',
       }, icon('reset'), 'Reset'),
-      element('label', {class: 'metrics-all'}, joints, element('span', {}, 'all six joints')),
+      element('label', {class: 'metrics-all'}, joints, element('span', {}, 'all columns')),
     );
   }
 
@@ -203,7 +203,7 @@ function fillCell(cell, {joint, figure}, value, figures, isBest) {
   const text = inDigits(value, figure.digits);
   if (cell.textContent !== text) cell.textContent = text;
   cell.classList.toggle('is-best', isBest);
-  const words = [
+  const words = figure.not_live || [
     joint && figures ? `joint ${joint(figures)}` : '', isBest ? 'best of all lanes' : '',
   ].filter(Boolean).join(', ');
   if (cell.title !== words) cell.title = words;
@@ -223,8 +223,8 @@ function fillMargin(cell, margin) {
 }
 
 /** @param {Column} column */
-function classOf({extra, id}) {
-  return `metrics-number metrics-${id}${extra ? ' metrics-extra' : ''}`;
+function classOf({extra, figure, id}) {
+  return `metrics-number metrics-${id}${extra || figure.not_live ? ' metrics-extra' : ''}`;
 }
 
 function heading() {

@@ -13,7 +13,9 @@ import {figureOf} from '../figures/figure.js';
 /** @typedef {import('./card.js').Look} Look */
 
 const HEIGHT = 250;
-const [VARIATION, ABOVE] = ['chattering', 'high_frequency_torque'].map(figureOf);
+const [VARIATION, SWITCHES, ABOVE] = [
+  'chattering', 'switches', 'high_frequency_torque',
+].map(figureOf);
 
 /** Shows how restless the torque of a lane is. */
 export class ChatteringLens {
@@ -32,7 +34,7 @@ export class ChatteringLens {
   constructor(api, desk) {
     this.#card = new LensCard({
       title: 'Torque over frequency', equation: 'Eq. 13, 14',
-      words: 'The motion itself is below a few hertz. Torque above 50 Hz is chattering or sensor '
+      words: 'The motion itself is below a few hertz. Torque above fₕ is chattering or sensor '
         + 'noise: it heats motors, wears gears and hardly moves the arm.',
     }, this.#spectrum.element);
     this.#smoothing = new SmoothingCard(api, desk);
@@ -48,8 +50,8 @@ export class ChatteringLens {
       {name: 'total variation', value: figureText(VARIATION, one.variation),
         title: 'Total variation of this joint’s torque per second'},
       {name: 'switches', value: `${threeDigits(one.switches)} /s`,
-        title: 'Sign changes of S per second'},
-      {name: 'above 50 Hz', value: above(one.above)},
+        title: `${SWITCHES.meaning} of this joint`},
+      {name: `above ${chattering.limit} Hz`, value: above(one.above)},
       {name: 'all joints', value: together(chattering)},
       ...(chattering.quiet ? [{
         name: 'without sensor noise', value: together(chattering.quiet),

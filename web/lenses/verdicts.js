@@ -9,7 +9,7 @@ import {figureOf} from '../figures/figure.js';
 
 const [ERROR, ABOVE, REACHING] = ['mae', 'high_frequency_torque', 'reaching_time'].map(figureOf);
 
-/** Torque above 50 Hz in [N·m] that is worth a word. */
+/** Torque above the high frequency in [N·m] that is worth a word. */
 const CHATTERS = 0.1;
 /** Share of the time below which "never" is fair. */
 const HARDLY = 0.0005;
@@ -60,22 +60,24 @@ function wayOut(gains, noise) {
  * @param {any} chattering
  * @param {Gains} gains
  */
-export function chatteringFinding({frequency, switches: count, above: torque, mae, quiet}, gains) {
+export function chatteringFinding(chattering, gains) {
+  const {frequency, limit, switches: count, above: torque, mae, quiet} = chattering;
+  const above = `above ${limit} Hz`;
   if (!frequency.length) {
-    return 'The loop samples too slowly, or the run is too short, to tell torque above 50 Hz.';
+    return `The loop samples too slowly, or the run is too short, to tell torque ${above}.`;
   }
   const error = `${figureText(ERROR, mae)} ${ERROR.title}`;
-  if (torque <= CHATTERS) return `Smooth: hardly any torque above 50 Hz, with ${error}.`;
+  if (torque <= CHATTERS) return `Smooth: hardly any torque ${above}, with ${error}.`;
   const all = figureText(ABOVE, torque);
   if (quiet && quiet.above !== null && quiet.above <= CHATTERS) {
-    return `Sensor noise, not chattering: of ${all} above 50 Hz, ${figureText(ABOVE, quiet.above)} are left `
+    return `Sensor noise, not chattering: of ${all} ${above}, ${figureText(ABOVE, quiet.above)} are left `
       + `in the same run without noise. The gains amplify what the sensors add. `
       + `${wayOut(gains, true)} There are ${error}.`;
   }
   const rest = quiet && quiet.above !== null
     ? ` Without sensor noise ${figureText(ABOVE, quiet.above)} of it are left.` : '';
   if (!switches(gains)) {
-    return `${all} above 50 Hz, though this law has nothing that switches: its gains are too high for `
+    return `${all} ${above}, though this law has nothing that switches: its gains are too high for `
       + `the control rate. They buy ${error}.${rest} ${wayOut(gains, false)}`;
   }
   return `${threeDigits(count)} switches a second and ${all} of chattering buy ${error}.${rest} `

@@ -8,8 +8,8 @@ import {amplitudeSpectrum} from '../curves/spectrum.js';
 
 const JOINTS = [1, 2, 3, 4, 5, 6];
 const AXES = ['x', 'y', 'z'];
-/** Frequency in [Hz] above which torque counts as chattering, as the server has it. */
-const HIGH_FREQUENCY = 50;
+/** Way back of the torque in [N·m] that makes a reversal, as the server has it. */
+const DEADBAND = 0.01;
 /** A Hann window shows a sine in three bins: by so much their powers are more than its own. */
 const HANN_BINS = 1.5;
 
@@ -27,13 +27,19 @@ const RULES = {
   ),
   peak_torque: (figure, columns) => ofJoint(figure, columns('tau').map(greatest)),
   chattering: (_, columns, {dt}) => sum(columns('tau').map((tau) => way(tau) / ((tau.length - 1) * dt))),
+  switches: (figure, columns, {dt}) => ofJoint(figure, columns('tau').map((tau) => (
+    reversals(tau) / ((tau.length - 1) * dt)
+  ))),
+  rms_torque: (figure, columns) => ofJoint(figure, columns('tau').map((tau) => (
+    Math.sqrt(sum(tau.map((value) => value * value)) / tau.length)
+  ))),
   sign_changes: (figure, columns) => ofJoint(figure, columns('S').map(sidesChanged)),
   reaching_time: (figure, columns, {dt}) => ofJoint(figure, columns('S').map((S, index) => (
     figure.since + dt * reachedRow(S, figure.layer[index])
   ))),
-  high_frequency_torque: (_, columns, {dt}) => Math.sqrt(sum(columns('tau').map((tau) => {
+  high_frequency_torque: ({high_frequency: bound}, columns, {dt}) => Math.sqrt(sum(columns('tau').map((tau) => {
     const {frequency, amplitude} = amplitudeSpectrum(tau, dt);
-    return sum([...amplitude].filter((__, bin) => frequency[bin] >= HIGH_FREQUENCY)
+    return sum([...amplitude].filter((__, bin) => frequency[bin] >= bound)
       .map((size) => (size * size) / 2 / HANN_BINS));
   }))),
   flange_rms: (_, columns) => {
@@ -108,6 +114,23 @@ function way(values) {
     total += Math.abs(values[index] - values[index - 1]);
   }
   return total;
+}
+
+/** @param {Float32Array} values NaN where rows are missing, and then so is the count */
+function reversals(values) {
+  let [count, direction, highest, lowest] = [0, 0, -Infinity, Infinity];
+  for (const value of values) {
+    if (Number.isNaN(value)) return NaN;
+    highest = Math.max(highest, value);
+    lowest = Math.min(lowest, value);
+    const turn = direction >= 0 && value < highest - DEADBAND ? -1
+      : Number(direction <= 0 && value > lowest + DEADBAND);
+    if (turn) {
+      if (direction) count += 1;
+      [direction, highest, lowest] = [turn, value, value];
+    }
+  }
+  return count;
 }
 
 /** @param {ArrayLike<number>} values */

@@ -126,7 +126,11 @@ export class ResponseMetrics {
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
     fillEstimate(estimate, now, estimated);
-    columns.forEach((column, index) => setText(cells[index], textOf(column, now)));
+    columns.forEach((column, index) => {
+      setText(cells[index], textOf(column, now));
+      const unknown = now && valueOf(column, now) === null ? column.figure.unknown : '';
+      if (cells[index].title !== unknown) cells[index].title = unknown;
+    });
   }
 
   /**

@@ -58,6 +58,15 @@ def test_every_figure_with_a_column_stands_in_both_tables_under_its_heading(
     screen.goto(dashboard.url)
     live = heads(screen.locator("#metrics"))
     expect(live).to_have_text(["lane", *headings(JOINTS, ("run", "margin")), "notes"])
+    unmeasured = screen.locator(
+        "#metrics td.metrics-itae, #metrics td.metrics-high_frequency_torque"
+    )
+    expect(unmeasured).to_have_text(["–"] * 6)
+    expect(unmeasured.first).to_have_attribute("title", FIGURES["high_frequency_torque"].not_live)
+    expect(unmeasured.first).to_be_hidden()
+    screen.get_by_label("all columns").check()
+    expect(unmeasured.first).to_be_visible()
+    screen.get_by_label("all columns").uncheck()
     for figure in COLUMNS:
         titles = live.evaluate_all("(all) => all.map((one) => one.title)")
         assert any(title.startswith(figure.meaning) for title in titles), figure.name
@@ -69,6 +78,13 @@ def test_every_figure_with_a_column_stands_in_both_tables_under_its_heading(
             f"{estimate.short} {estimate.shown_unit}",
             *headings(3, ("run",)),
         ]
+    )
+    dashboard.client.patch("/api/experiment", json={"simulation": {"high_frequency": 500}})
+    torque = screen.locator(".response-table .metrics-high_frequency_torque")
+    expect(torque).to_have_text(["–"] * 3)
+    expect(torque.first).to_have_attribute("title", FIGURES["high_frequency_torque"].unknown)
+    expect(screen.locator(".response-table .metrics-switches").first).to_have_text(
+        re.compile(r"^\d")
     )
     offered = [f"by {figure.title}" for figure in FIGURES.values() if figure.studied]
     expect(screen.locator(".study-metric option")).to_have_text(offered)

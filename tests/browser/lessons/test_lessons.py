@@ -5,9 +5,12 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
+from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.loop.metrics import measure_lane
 from tests.browser.conftest import Dashboard
 
 DEADLINE = 30.0
@@ -214,3 +217,37 @@ def test_a_lesson_covers_no_other_part_of_the_screen(learner: Page) -> None:
             above = box["y"] + box["height"] <= lesson["y"] + 1
             below = box["y"] >= lesson["y"] + lesson["height"] - 1
             assert beside or above or below, (width, box, lesson)
+
+
+def test_the_torque_of_the_live_session_is_measured_as_that_of_a_run(
+    page: Page, dashboard: Dashboard
+) -> None:
+    page.goto(dashboard.url)
+    # In multiples of 0.004 N m: a number of half the bits is on the same side of the deadband.
+    steps = np.random.default_rng(7).integers(-4, 5, size=(1500, JOINTS))
+    torque = 0.004 * np.cumsum(steps, axis=0)
+    columns = dict.fromkeys(("e", "de", "S"), np.zeros_like(torque))
+    columns |= dict.fromkeys(("flange", "flange_desired"), np.zeros((len(torque), 3)))
+    time = 0.001 * np.arange(len(torque))
+    figures = measure_lane(time, {**columns, "tau": torque}, np.ones(JOINTS), 50.0)
+    shown = page.evaluate(
+        """async (torque) => {
+          const [{measured}, {Ring}] = await Promise.all([
+            import('/static/lessons/measure.js'), import('/static/curves/ring.js')]);
+          const ring = new Ring();
+          const joints = torque.map((_, index) => index + 1);
+          ring.configure(joints.map((joint) => ({lane: 'A', group: 'tau', joint})));
+          const rows = torque[0].length;
+          const data = new Float32Array(torque.flat());
+          ring.append(
+            {rows, columns: joints.length, time: 0, dt: 0.001, revision: 1, epoch: 0, data});
+          const whole = {lane: 'A', since: 0, until: (rows - 1) * 0.001, at: null, factor: 1};
+          return ['switches', 'rms_torque'].map((metric) => [...joints, null].map((joint) => (
+            measured(ring, {...whole, metric, joint}).value)));
+        }""",
+        torque.T.tolist(),
+    )
+    for name, found in zip(("switches", "rms_torque"), shown, strict=True):
+        known = getattr(figures, name)
+        np.testing.assert_allclose(found, [*known, known.mean()], rtol=1e-5)
+    assert (figures.switches > 50.0).all()

@@ -78,7 +78,7 @@ def row(page: Page, lane: str, baseline: str = "") -> Locator:
 
 
 def figures(page: Page, lane: str, baseline: str = "") -> list[float]:
-    """Return MAE of joints 1 to 3, greatest error, chattering, peak torque, flange RMS."""
+    """Return what the row shows, in its order; see ``expected_figures``."""
     cells = row(page, lane, baseline).locator("td:not(.metrics-estimate)").all_inner_texts()
     return [float(cell.split()[0].replace("−", "-")) for cell in cells]
 
@@ -89,8 +89,12 @@ def expected_figures(run: Run, lane: str) -> list[float]:
         *(metrics.mae[:3] * MILLI),
         metrics.max_error.max() * MILLI,
         metrics.chattering,
+        metrics.switches.max(),
+        metrics.high_frequency_torque or 0.0,
         metrics.peak_torque.max(),
         metrics.flange_rms * MILLI,
+        metrics.rms_torque.max(),
+        metrics.itae.max() * MILLI,
     ]
 
 

@@ -297,6 +297,8 @@ def test_figures_are_those_of_the_metrics(restless: Any) -> None:
     view, metrics = chattering.look(packed, LANE, run), run.metrics
     assert view.variation == metrics.chattering
     assert view.above == metrics.high_frequency_torque
+    assert view.switches == pytest.approx(np.sum(metrics.switches))
+    assert [joint.switches for joint in view.joints] == metrics.switches.tolist()
     assert view.mae == pytest.approx(np.mean(metrics.mae))
     assert sum(joint.variation for joint in view.joints) == pytest.approx(metrics.chattering)
     squares = sum(joint.above**2 for joint in view.joints if joint.above is not None)
@@ -321,15 +323,10 @@ def test_a_sine_of_torque_stands_at_its_frequency_with_its_power(restless: Any) 
     view = chattering.look(packed, LANE, replace(run, tau=torque))
     peak = view.frequency[np.argmax(view.joints[2].density)]
     assert peak == pytest.approx(333.0, rel=0.03)
-    _, power = torque_spectrum(torque, 0.001) or (None, np.zeros((1, 6)))
+    _, power = torque_spectrum(torque, 0.001, 50.0) or (None, np.zeros((1, 6)))
     assert view.joints[2].density.max() == pytest.approx(np.sqrt(power.max()))
     assert view.joints[2].above == pytest.approx(3.0 / np.sqrt(2.0), rel=1e-2)
     assert view.joints[0].above == pytest.approx(0.0, abs=1e-9)
-
-
-def test_switches_count_sign_changes_and_pass_over_zeros() -> None:
-    sliding = np.array([[1.0, 1.0], [-1.0, 0.0], [0.0, 2.0], [-2.0, 0.0], [1.0, 3.0]])
-    assert chattering.switches_per_second(sliding, 0.5) == pytest.approx([1.0, 0.0])
 
 
 def test_a_loop_too_slow_for_50_hz_has_no_spectrum_and_says_so() -> None:

@@ -53,6 +53,9 @@ def test_an_entry_is_whole(figure: Figure) -> None:
     assert not figure.meaning.endswith(".")
     assert (figure.factor == 1.0) == (figure.unit == figure.shown_unit)
     assert figure.digits >= 1
+    # Of a column the live table says why it is empty there.
+    assert bool(figure.not_live) == (figure.column and not figure.live)
+    assert figure.column or not (figure.extra or figure.unknown)
     json.dumps(figure.document(), allow_nan=False)
 
 

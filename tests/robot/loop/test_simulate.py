@@ -83,7 +83,8 @@ def lane_of(document: dict[str, Any]) -> LaneRun:
 
 def same(one: Run, other: Run) -> bool:
     return len(one.time) == len(other.time) and all(
-        np.array_equal(getattr(lane, name), getattr(other.lanes[key], name), equal_nan=True)
+        lane.high_frequency == other.lanes[key].high_frequency
+        and np.array_equal(getattr(lane, name), getattr(other.lanes[key], name), equal_nan=True)
         for key, lane in one.lanes.items()
         for name in COLUMNS
     )

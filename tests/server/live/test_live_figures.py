@@ -100,7 +100,7 @@ def test_names_words_and_the_horizon_change_no_figure(tuning: Tuning) -> None:
     tuning.step(FIRST)
     before = tuning.session.figures.document()
     gains = tuning.experiment.lanes["A"].model_dump()
-    tuning.change({"title": "Other words", "simulation": {"horizon": 5.0}})
+    tuning.change({"title": "Other words", "simulation": {"horizon": 5.0, "high_frequency": 20.0}})
     tuning.change({"lanes": {"A": None, "C": gains}})
     assert tuning.session.figures.document() == {"B": before["B"], "C": before["A"]}
     tuning.step(THEN)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import find_peaks
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.loop.metrics import Metrics, measure_lane
+from slidetune.robot.loop.metrics import DEADBAND, Metrics, measure_lane
 from slidetune.server.live.running_metrics import RECENT, SPAN, RunningMetrics
 from slidetune.server.live.telemetry import Channel, channels
 
@@ -14,6 +15,8 @@ Array = np.ndarray
 
 PERIOD = 0.01
 LANES = ["A", "B"]
+TURNS = 2.0 / 3.9
+"""Reversals a second by which spans of 4 s and more may differ: two of them."""
 
 
 def rows_of(seconds: float, columns: list[Channel]) -> Array:
@@ -30,13 +33,16 @@ def at_once(rows: Array, columns: list[Channel], lane: str) -> Metrics:
 
     data = {name: group(name) for name in ("e", "de", "tau", "S", "flange")}
     data["flange_desired"] = group("flange_d", "")
-    return measure_lane(PERIOD * np.arange(len(rows)), data, np.ones(JOINTS))
+    return measure_lane(PERIOD * np.arange(len(rows)), data, np.ones(JOINTS), 50.0)
 
 
 def assert_same(found: dict[str, object] | None, wanted: Metrics) -> None:
     assert found is not None
     for name, value in found.items():
-        np.testing.assert_allclose(value, getattr(wanted, name), rtol=1e-9, err_msg=name)
+        # Whether a span begins on the way up or down is known to who saw the rows before.
+        begins = TURNS if name == "switches" else 0.0
+        known = getattr(wanted, name)
+        np.testing.assert_allclose(value, known, rtol=1e-9, atol=begins, err_msg=name)
 
 
 @pytest.mark.parametrize("chunk", [1, 3, 100])
@@ -52,6 +58,14 @@ def test_figures_are_those_of_the_same_rows_at_once(chunk: int) -> None:
         assert_same(found["recent"], at_once(rows[-round(RECENT / PERIOD) :], columns, "B"))
 
 
+def turns(torque: Array) -> Array:
+    """Return how often each joint's torque comes back from an extreme. Shape (6,)."""
+    both = [
+        [find_peaks(side * one, prominence=DEADBAND)[0] for side in (1, -1)] for one in torque.T
+    ]
+    return np.array([len(peaks) + len(valleys) for peaks, valleys in both])
+
+
 def by_time(rows: Array, periods: Array, columns: list[Channel], lane: str) -> dict[str, object]:
     """Return the figures of rows, each of which stands for its own period in [s]."""
 
@@ -65,7 +79,9 @@ def by_time(rows: Array, periods: Array, columns: list[Channel], lane: str) -> d
         "max_error": error.max(axis=0),
         "max_velocity_error": np.abs(group("de")).max(axis=0),
         "chattering": np.abs(np.diff(torque, axis=0)).sum() / periods[:-1].sum(),
+        "switches": turns(torque) / periods[:-1].sum(),
         "peak_torque": np.abs(torque).max(axis=0),
+        "rms_torque": np.sqrt(np.average(torque**2, axis=0, weights=periods)),
         "flange_rms": np.sqrt(np.average(distance**2, weights=periods)),
         "flange_max": distance.max(),
     }
@@ -96,14 +112,18 @@ def test_rows_count_by_the_time_that_they_stand_for(seed: int) -> None:
         wanted = by_time(rows[which], periods[which], columns, "B")
         assert set(found[span]) == set(wanted)
         for name, value in wanted.items():
-            np.testing.assert_allclose(found[span][name], value, rtol=1e-9, err_msg=name)
+            begins = TURNS if name == "switches" else 0.0
+            shown = found[span][name]
+            np.testing.assert_allclose(shown, value, rtol=1e-9, atol=begins, err_msg=name)
 
 
 def test_one_row_has_no_way_of_the_torque() -> None:
     columns = channels(LANES)
     running = RunningMetrics(columns, "A")
     running.add(rows_of(PERIOD, columns), 0.0, PERIOD)
-    assert running.document()["total"]["chattering"] == 0.0
+    total = running.document()["total"]
+    assert total["chattering"] == 0.0
+    assert total["switches"] == [0.0] * JOINTS
 
 
 def test_a_total_that_counts_anew_leaves_the_last_ten_seconds_alone() -> None:
