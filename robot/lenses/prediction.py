@@ -45,6 +45,7 @@ class PredictedJoint:
         frequency: predicted in [Hz], ``None`` where the balance has no solution.
         slowest: the same if sampling made every switch as late as it can.
         fastest: the same if every switch came at once.
+        coarse: whether it is where the samples fall that decides between these two.
         amplitude: predicted of S in [rad/s], 0 where it should be silent; as in ``Swing`` it is
             greater in a quarter of the time.
         alone: the same if no other joint switched.
@@ -67,6 +68,7 @@ class PredictedJoint:
     frequency: float | None
     slowest: float | None
     fastest: float | None
+    coarse: bool
     amplitude: float | None
     alone: float | None
     threshold: float | None
@@ -242,6 +244,7 @@ def _joint(
         frequency=usual([one.omega / turns for one in known]),
         slowest=usual([one.slowest / turns for one in known]),
         fastest=usual([one.fastest / turns for one in known]),
+        coarse=any(one.slowest < COARSE * one.omega for one in known),
         amplitude=None if amplitude is None else amplitude * (amplitude > least),
         alone=usual([one.alone for one in known], QUARTILE),
         threshold=thresholds[joint],

@@ -72,14 +72,16 @@ class LimitCycle:
     phasors: Array
 
     def curve(self, loop: SwitchingLoop, joint: int, omega: Array) -> Array:
-        """Return what a swing of this joint's sw does to its -S in [rad/s], the locked ones along.
+        """Return what a swing of this joint's sw does to the samples of its -S in [rad/s].
+
+        The joints that are locked to it swing along.
 
         Args:
             loop: the loop whose limit cycle it is.
             joint: which joint this is, from 0.
             omega: frequencies in [rad/s]. Shape (n,).
         """
-        return np.asarray(loop.response(omega)[:, joint] @ self.phasors)
+        return np.asarray(loop.folded(omega) * (loop.response(omega)[:, joint] @ self.phasors))
 
 
 def limit_cycles(
@@ -98,7 +100,8 @@ def limit_cycles(
         group = _Locked(loop, joints, switching, layer[joints])
         omega, phasors = group.frequency(own[joints])
         amplitudes = group.amplitudes(omega, phasors)
-        crossings = np.abs(group.answer(omega, phasors))
+        folded = float(loop.folded(np.array([omega]))[0])
+        crossings = folded * np.abs(group.answer(omega, phasors))
         for place, joint in enumerate(joints):
             alone = amplitudes[place]
             if len(joints) > 1:

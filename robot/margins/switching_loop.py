@@ -79,6 +79,20 @@ class SwitchingLoop:
     kappa: Array
     load: Array
 
+    def folded(self, omega: Array) -> Array:
+        r"""Return how much farther the samples of S swing than a wave of that frequency does.
+
+        They see all frequencies of a held torque's steps, folded onto one. Of an integral:
+
+        .. math:: \frac{\omega T / 2}{\sin(\omega T / 2)}
+
+        which is 1.57 where S changes its sign from sample to sample.
+
+        Args:
+            omega: frequencies in [rad/s]. Shape (n,).
+        """
+        return np.asarray(1.0 / np.sinc(omega * self.hold / (2.0 * np.pi)))
+
     def response(self, omega: Array, late: float = 0.0, k1: float = 1.0) -> Array:
         r"""Return what a swing of each sw does to -S in [rad/s]: harmonic balance is H N(A) = -1.
 

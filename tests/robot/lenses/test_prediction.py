@@ -12,7 +12,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.lenses import look_through
-from slidetune.robot.lenses.prediction import COARSE, PredictedJoint, PredictionView, look
+from slidetune.robot.lenses.prediction import PredictedJoint, PredictionView, look
 from slidetune.robot.loop.simulate import simulate
 
 Array = np.ndarray
@@ -52,7 +52,7 @@ def agrees(joint: PredictedJoint, period: float) -> bool:
     assert joint.amplitude is not None
     assert joint.slowest is not None
     assert joint.fastest is not None
-    if joint.slowest < COARSE * joint.frequency:
+    if joint.coarse:
         farther = amplitude * frequency / (joint.amplitude * joint.frequency)
         return 0.9 * joint.slowest < frequency < 1.1 * joint.fastest and 0.75 < farther < 1.33
     # A period is a whole number of samples.
