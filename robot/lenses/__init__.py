@@ -9,7 +9,7 @@ import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
-from slidetune.robot.lenses import chattering, network_view, sliding_mode
+from slidetune.robot.lenses import chattering, network_view, prediction, sliding_mode
 from slidetune.robot.lenses.screen import document
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.loop.simulate import LaneRun, simulate
@@ -21,10 +21,11 @@ LENSES: dict[str, Lens] = {
     "sliding": sliding_mode.look,
     "network": network_view.look,
     "chattering": chattering.look,
+    "prediction": prediction.look,
 }
 """Every lens by name; each returns a dataclass of arrays, or ``None`` where it has no object."""
 
-NOISY = frozenset({"sliding", "chattering"})
+NOISY = frozenset({"sliding", "chattering", "prediction"})
 """Lenses that also look at a run without sensor noise."""
 
 

@@ -14,7 +14,7 @@ from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.routes.disconnect import until_gone
 from slidetune.server.state.app_state import AppState
 
-LensName = Literal["sliding", "network", "chattering"]
+LensName = Literal["sliding", "network", "chattering", "prediction"]
 ANSWERS: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "``revision``, ``lane``, ``horizon``, ``frozen`` and the result of each "
@@ -39,9 +39,9 @@ class LensRequest(Strict):
         "to it.",
     )
     lenses: list[LensName] = Field(
-        ["sliding", "network", "chattering"],
+        ["sliding", "network", "chattering", "prediction"],
         min_length=1,
-        max_length=3,
+        max_length=4,
         description="Each takes a little extra time.",
     )
 
@@ -59,6 +59,8 @@ def lens_router(app_state: AppState) -> APIRouter:
         that an exact model would have needed; of a law with a disturbance observer
         (``observer``) its estimate f beside the true F; ``null`` with neither.
         ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
+        ``prediction``: each joint's limit cycle by harmonic balance beside the measured one, its
+        Nyquist curve, and the boundary layer that silences it; ``null`` where nothing switches.
 
         Where sensors are noisy, ``chattering.quiet`` and ``sliding.quiet_turns`` tell the same of a
         run with exact ones.

@@ -17,7 +17,7 @@ export class Runs {
    * Run a lane over its horizon and look at it; while watching: what the owner last saw.
    *
    * @param {string} lane
-   * @param {('sliding'|'network'|'chattering')[]} lenses
+   * @param {('sliding'|'network'|'chattering'|'prediction')[]} lenses
    * @param {{experiment?: Document, patch?: Document, signal?: AbortSignal}} [options] sent along,
    *   so that the server's may be another by then; `patch`: what is different in it
    * @returns {Promise<Document>} what each lens saw, under its name; null when it was given up

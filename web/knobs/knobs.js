@@ -5,6 +5,7 @@ import {element} from '../dom/element.js';
 import {FieldNames} from '../fields/field_names.js';
 import {mountAdvice} from './advice.js';
 import {mountHeatStrips} from './heat_strip.js';
+import {mountSilenceMark} from './silence_mark.js';
 import {StudyMetric} from './study_metric.js';
 import {Tornado} from './tornado.js';
 
@@ -31,6 +32,7 @@ export class Knobs {
     const bar = element('div', {class: 'knob-tools'}, metric.list(), tornado.button);
     this.element = element('div', {class: 'knobs'}, bar, tornado.card);
     mountHeatStrips(gains, api, fieldAt, metric);
+    mountSilenceMark(gains, api, fieldAt);
     mountAdvice(column, {api, history, names, tell});
   }
 }

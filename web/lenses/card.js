@@ -9,7 +9,8 @@ import {element, freshId} from '../dom/element.js';
 /**
  * What is known of the chosen lane when a lens is shown.
  * @typedef {{seen: any, lane: string, color: string, joint: number, horizon: number,
- *   hold: number, gains: {[name: string]: any}}} Look `hold`: for so long in [s] a sampled
+ *   hold: number, gains: {[name: string]: any}, experiment: {[section: string]: any}}} Look
+ *   `experiment`: that was run; `hold`: for so long in [s] a sampled
  *   controller holds a torque, 0 where nothing is sampled
  */
 

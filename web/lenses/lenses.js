@@ -5,6 +5,7 @@ import {element} from '../dom/element.js';
 import {ChatteringLens} from './chattering.js';
 import {keyOf} from './key.js';
 import {NetworkLens} from './network.js';
+import {PredictionLens} from './prediction.js';
 import {SlidingLens} from './sliding.js';
 import {LiveTrail} from '../live/trail.js';
 import {holdOf} from '../curves/panel_curves.js';
@@ -61,7 +62,8 @@ class Lenses {
     this.#root = root;
     const trail = new LiveTrail(api);
     this.#sliding = new SlidingLens({trail: (joint) => trail.of(joint)});
-    this.#lenses = [this.#sliding, new NetworkLens(), new ChatteringLens(api, desk)];
+    this.#lenses = [this.#sliding, new NetworkLens(), new ChatteringLens(api, desk),
+      new PredictionLens(api, desk)];
     this.#lens = this.#lenses.find(({id}) => id === recall('lens')) ?? this.#lenses[0];
     this.#bodies = this.#lenses.map(({element: cards}) => element('div', {class: 'lens-body'}, ...cards));
     this.#tabs = new PlotTabs(this.#lenses, this.#scroll, (id) => this.#choose(id));
@@ -185,7 +187,7 @@ class Lenses {
       // The owner's look may be at an older experiment, which comes with it.
       const {experiment} = {experiment: present, ...seen};
       const gains = experiment.lanes?.[lane] ?? {};
-      if (seen) this.#look = {id, lane, seen, gains, hold: holdOf(experiment), revision};
+      if (seen) this.#look = {id, lane, seen, gains, experiment, hold: holdOf(experiment), revision};
       else if (isWatching()) this.#look = null;
     } catch (error) {
       this.#look = null;
@@ -221,10 +223,10 @@ class Lenses {
       this.#say(this.#api.connected ? this.#waiting() : 'Not connected.');
       return;
     }
-    const {lane, seen, gains, hold} = look;
+    const {lane, seen, gains, hold, experiment} = look;
     const color = this.#api.lanes.find(({name}) => name === lane)?.color ?? '#808080';
     const nothing = this.#lens.show({
-      seen, lane, color, gains, hold, joint: this.#joint, horizon: seen.horizon,
+      seen, lane, color, gains, hold, experiment, joint: this.#joint, horizon: seen.horizon,
     });
     this.#say(nothing ?? '', seen.frozen && `The response ends early. ${seen.frozen.cause}`);
   }

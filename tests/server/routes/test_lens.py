@@ -12,7 +12,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.simulate import LaneRun, simulate
 from tests.server.conftest import Served
 
-LENSES = {"sliding", "network", "chattering"}
+LENSES = {"sliding", "network", "chattering", "prediction"}
 
 
 def seen(served: Served, **body: Any) -> dict[str, Any]:

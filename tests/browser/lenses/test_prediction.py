@@ -1,0 +1,118 @@
+"""The prediction lens, its mark on the slider of the boundary layer, and its button."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.lenses import look_through
+from tests.browser.conftest import Dashboard
+from tests.browser.lenses.test_lenses import (
+    card,
+    experiment,
+    fact,
+    looked,
+    open_lens,
+    patch,
+    trace,
+    until,
+)
+
+TITLE = "What the pencil says"
+CURVE = "Where it balances"
+LANE = "sign"
+LAG = {"robot": {"lag": 0.004, "lag_order": "second"}}
+
+
+def predicted(dashboard: Dashboard, lane: str = LANE) -> dict[str, object]:
+    document = Experiment.from_document(experiment(dashboard))
+    seen: dict[str, object] = look_through(document, lane, ["prediction"])["prediction"]
+    return seen
+
+
+def open_with_drives(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Prediction", preset="chattering-sign")
+    revision = patch(dashboard, LAG)
+    looked(page, revision)
+
+
+def test_it_shows_what_harmonic_balance_and_the_run_say(page: Page, dashboard: Dashboard) -> None:
+    open_with_drives(page, dashboard)
+    joints = predicted(dashboard)["joints"]
+    rows = card(page, TITLE).locator("tbody tr")
+    expect(rows).to_have_count(6)
+    page.keyboard.press("3")
+    expect(rows.nth(2)).to_have_attribute("aria-current", "true")
+    cells = [float(rows.nth(2).locator("td").nth(column).inner_text()) for column in range(5)]
+    names = ("frequency", "measured_frequency", "amplitude", "measured_amplitude", "threshold")
+    wanted = [joints[2][name] for name in names]  # type: ignore[index]
+    assert cells == pytest.approx(wanted, rel=0.01)
+    expect(fact(page, CURVE, "κ")).to_contain_text("rad/s²")
+    crossing = trace(page, CURVE, "crossing")
+    assert crossing["x"][0] == pytest.approx(-joints[2]["crossing"], rel=1e-4)  # type: ignore[index]
+
+
+def test_the_button_silences_the_lane_and_undo_brings_it_back(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_with_drives(page, dashboard)
+    layer = predicted(dashboard)["epsilon"]
+    button = card(page, TITLE).get_by_role("button", name=re.compile("^Set ε to"))
+    button.focus()
+    page.keyboard.press("Enter")
+    until(dashboard, LANE, "epsilon", layer)
+    until(dashboard, LANE, "switching", "tanh")
+    expect(card(page, TITLE).locator(".lens-finding")).to_contain_text("Silent")
+    for row in card(page, TITLE).locator("tbody tr").all():
+        expect(row.locator("td").nth(1)).to_have_text("–")
+    page.locator("body").press("Control+z")
+    until(dashboard, LANE, "switching", "sign")
+
+
+def test_the_slider_is_marked_until_the_loop_is_another(page: Page, dashboard: Dashboard) -> None:
+    open_with_drives(page, dashboard)
+    control = page.locator(f'.control[data-path="lanes.{LANE}.epsilon"]')
+    slider, note = control.locator(".control-input > .slider"), control.locator(".silence-note")
+    expect(note).to_contain_text("Silent from ε*")
+    expect(slider).to_have_class(re.compile("is-silence-marked"))
+    # What only moves along the slider leaves the mark where it is.
+    patch(dashboard, {"lanes": {LANE: {"epsilon": 0.2}}})
+    expect(control.get_by_role("spinbutton").first).to_have_value("0.2")
+    expect(note).to_contain_text("Silent from ε*")
+    # Another lane has no mark before its own look.
+    page.get_by_role("tab", name="Chattering").click()
+    patch(dashboard, {"lanes": {LANE: {"k2": 10.0}}})
+    expect(note).to_have_count(0)
+    expect(slider).not_to_have_class(re.compile("is-silence-marked"))
+
+
+def test_each_joint_of_a_list_has_its_own_mark(page: Page, dashboard: Dashboard) -> None:
+    open_with_drives(page, dashboard)
+    looked(page, patch(dashboard, {"lanes": {LANE: {"epsilon": [0.03] * 5 + [0.04]}}}))
+    control = page.locator(f'.control[data-path="lanes.{LANE}.epsilon"]')
+    expect(control.locator(".joint-row .slider.is-silence-marked")).to_have_count(6)
+    expect(control.locator(".control-input > .slider.is-silence-marked")).to_have_count(0)
+    expect(control.locator(".silence-note")).to_contain_text("each joint")
+
+
+def test_a_lane_without_a_switching_term_is_told_so(page: Page, dashboard: Dashboard) -> None:
+    open_lens(page, dashboard, "Prediction", preset="realistic")
+    page.get_by_role("radio", name="Computed torque").check(force=True)
+    expect(page.locator(".lens-message")).to_contain_text("no switching term")
+
+
+def test_it_fits_on_a_phone(page: Page, dashboard: Dashboard) -> None:
+    dashboard.client.post("api/presets/chattering-sign/load")
+    patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(dashboard.url)
+    page.locator("#tabs").get_by_role("tab", name="Plots").click()
+    page.get_by_role("tab", name="Lenses").click()
+    page.get_by_role("tab", name="Prediction").click()
+    expect(card(page, TITLE).get_by_role("button", name=re.compile("^Set ε"))).to_be_visible()
+    trace(page, CURVE, "curve")
+    overflow = page.locator(".lens-scroller").evaluate("(one) => one.scrollWidth - one.clientWidth")
+    assert overflow <= 0

@@ -1,0 +1,59 @@
+// @ts-check
+/** The picture of harmonic balance: a joint's Nyquist curve against -1/N(A). */
+
+import {plain} from '../plots/figure.js';
+import {axis} from './figure.js';
+import {threeDigits} from '../figures/columns.js';
+
+/** @typedef {import('./figure.js').Colors} Colors */
+
+/**
+ * @param {Colors} colors
+ * @param {any} one a joint with a limit cycle
+ * @param {{lane: string, color: string, joint: number, layer: number}} of
+ */
+export function nyquistFigure(colors, one, {lane, color, joint, layer}) {
+  const {crossing, curve: [real, imaginary], curve_frequency: frequency, line: [amplitude, inverse]} = one;
+  const reach = 1.6 * Math.max(crossing, layer);
+  const silent = layer > 0 && layer >= crossing;
+  return {
+    data: [{
+      type: 'scatter', mode: 'lines', uid: 'curve', name: plain(lane), x: real, y: imaginary,
+      customdata: frequency, hovertemplate: 'G at %{customdata:.3~g} Hz<extra></extra>',
+      line: {color, width: 1.8, simplify: false},
+    }, {
+      type: 'scatter', mode: 'lines', uid: 'balance', x: inverse.map((/** @type {number} */ value) => -value),
+      y: inverse.map(() => 0), customdata: amplitude,
+      hovertemplate: '−1/N at A = %{customdata:.3~g} rad/s<extra></extra>',
+      line: {color: colors.text, width: 3, dash: 'dot'},
+    }, {
+      type: 'scatter', mode: 'markers', uid: 'crossing', x: [-crossing], y: [0],
+      hovertemplate: `ε* = ${threeDigits(crossing)} rad/s, ${threeDigits(one.frequency)} Hz<extra></extra>`,
+      marker: {symbol: 'circle-open', size: 13, color: silent ? colors.good : colors.bad, line: {width: 2.5}},
+    }],
+    layout: {
+      uirevision: `${lane}-${joint}`,
+      xaxis: axis(colors, {title: 'Re [rad/s]', range: [-reach, 0.3 * reach], zeroline: true}),
+      yaxis: axis(colors, {title: 'Im [rad/s]', range: [-0.8 * reach, 0.4 * reach], zeroline: true}),
+      annotations: marks(colors, crossing, layer, silent),
+    },
+  };
+}
+
+/**
+ * @param {Colors} colors
+ * @param {number} crossing
+ * @param {number} layer
+ * @param {boolean} silent
+ */
+function marks(colors, crossing, layer, silent) {
+  const told = [{
+    x: -crossing, y: 0, text: silent ? 'ε*' : 'ε*, limit cycle', showarrow: true, arrowhead: 0,
+    arrowcolor: colors.muted, ax: 16, ay: -32, xanchor: 'left', font: {color: colors.text},
+  }];
+  if (!layer) return told;
+  return [...told, {
+    x: -layer, y: 0, text: '−ε', showarrow: true, arrowhead: 0, arrowcolor: colors.muted, ax: 0, ay: 30,
+    xanchor: 'center', font: {color: colors.text},
+  }];
+}
