@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.arm.description.figures import MAX_JOINT_SPEED
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.quantity import bounds
@@ -21,6 +22,9 @@ LOOSER = 8.0
 the third power of its length, so that the second run is cut into pieces twice as long."""
 ROUGH = 0.02
 """Share of rows that were not cut far enough from which on a run says so in words (*ours*)."""
+WILD = 2.0 * MAX_JOINT_SPEED
+"""Velocity in [rad/s] from which on a sampled motion is so wild that an error in it may grow to
+many times what two runs differ by (*ours*): where it decides at one sample the sign of a torque."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 
@@ -34,6 +38,7 @@ class Accuracy:
             ``None`` where nobody asked for it.
         unconverged: steps whose equation was not solved to its tolerance.
         capped: rows whose step was not cut as far as its own error asked.
+        at_least: whether the error may be many times its estimate: the motion is wild.
         remark: what is wrong and what would help, in words, or an empty text.
         patch: a merge patch that sets what would help, or ``None``.
     """
@@ -41,6 +46,7 @@ class Accuracy:
     error_estimate: float | None = None
     unconverged: int = 0
     capped: int = 0
+    at_least: bool = False
     remark: str = ""
     patch: dict[str, Any] | None = None
 
@@ -89,7 +95,12 @@ def difference(q: Array, other: Array) -> float:
 
 
 def judge(
-    experiment: Experiment, error: float | None, unconverged: int, left: float, capped: int
+    experiment: Experiment,
+    error: float | None,
+    unconverged: int,
+    left: float,
+    capped: int,
+    fastest: float = 0.0,
 ) -> Accuracy:
     """Return the accuracy of a lane, with words where it is not good.
 
@@ -99,8 +110,11 @@ def judge(
         unconverged: steps whose equation was not solved to its tolerance.
         left: what those left of a velocity at most in [rad/s].
         capped: rows whose step was not cut as far as its own error asked.
+        fastest: greatest velocity of any joint in [rad/s].
     """
     texts, patch = [], None
+    sampled = experiment.simulation.mode == "sampled"
+    wild = error is not None and error > 0.0 and sampled and fastest > WILD
     if unconverged:
         texts.append(
             f"{unconverged} {'step was' if unconverged == 1 else 'steps were'} not solved to "
@@ -116,8 +130,14 @@ def judge(
         texts.append(f"The estimated error of the angles is up to {error:.1g} rad.")
         words, patch = _finer(experiment.simulation, error)
         texts.append(words)
+    if wild:
+        texts.append(
+            f"Joint velocities reach {fastest:.3g} rad/s, where the arm is rated for "
+            f"{MAX_JOINT_SPEED:g}: in a motion like this small errors grow, and the true error can "
+            "be many times the estimate."
+        )
     return Accuracy(
-        None if error is None else float(error), unconverged, capped, " ".join(texts), patch
+        None if error is None else float(error), unconverged, capped, wild, " ".join(texts), patch
     )
 
 

@@ -23,6 +23,7 @@ from slidetune.robot.kernels.workspace import (
     LEFT,
     NODES,
     QD,
+    R_V,
     RECORD,
     TALLY,
     UNSOLVED,
@@ -203,8 +204,9 @@ def _accuracy(
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
     unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
-    error = None
+    error, fastest = None, 0.0
     if other is not None:
+        fastest = float(np.nanmax(np.abs(lane.record[:, R_V : R_V + JOINTS])))
         _, stride, share = second_run(packed.experiment)
         second = _run_lane(lane.name, other, LOOSER, stop, tell)
         rows = lane.record[::stride, :JOINTS]
@@ -215,7 +217,7 @@ def _accuracy(
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
         # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
         error = float(error + left * packed.experiment.simulation.horizon)
-    return judge(packed.experiment, error, int(unconverged), float(left), int(capped))
+    return judge(packed.experiment, error, int(unconverged), float(left), int(capped), fastest)
 
 
 def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy) -> LaneRun:

@@ -202,16 +202,19 @@ function fill(cell, value, {kind, text}) {
  * @param {boolean} [estimated] false: the estimate is asked for on release
  */
 function fillEstimate(cell, lane, estimated = true) {
-  const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
+  const {error_estimate: error = null, unconverged = 0, capped = 0, at_least: atLeast = false} =
+    lane?.accuracy ?? {};
   // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
-  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
+  const doubtful =
+    (error ?? 0) > GOOD || unconverged > 0 || atLeast || (error === null && capped > 0);
   const due = error === null && !estimated;
-  const known = error === null ? (due ? '…' : '–') : `±${figureNumber(ACCURACY, error)}`;
+  const known = error === null ? (due ? '…' : '–') : `${atLeast ? '≥' : '±'}${figureNumber(ACCURACY, error)}`;
   setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
   cell.classList.toggle('is-doubtful', doubtful);
   cell.title = [
     due ? 'estimated on release' : '',
     (error ?? 0) > GOOD ? `above ${figureText(ACCURACY, GOOD)}` : '',
+    atLeast ? 'the true error can be many times this' : '',
     unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
     capped > 0 ? `${counted(capped, 'row')} not subdivided as far as its error required` : '',
   ].filter(Boolean).join(', ');
