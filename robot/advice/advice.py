@@ -60,8 +60,7 @@ def _sampling(packed: Packed, name: str) -> Iterator[Advice]:
     margin = loop_margin(packed, name)
     if margin.holds:
         return
-    expected = "a limit cycle" if margin.bounded else "divergence"
-    rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {expected}. "
+    rule = f"{_rule(margin, simulation.input_delay > 0.0)}: expect {_outcome(packed, margin)}. "
     if margin.radius is None:
         yield Advice("warning", "simulation.control_rate", f"{rule}Lower the other gains.")
         return
@@ -104,6 +103,15 @@ def _other_gains(margin: Margin, learns: bool) -> list[str]:
             return [f"reaching gains {_short(1.01 * factor)} times higher"]
         return [f"reaching gains {_short(1.01 / factor)} times lower"]
     return ["lower surface gains"] + (["a lower learning rate"] if learns else [])
+
+
+def _outcome(packed: Packed, margin: Margin) -> str:
+    """Say in words what an unstable loop comes to; the period map knows no torque limits."""
+    if margin.bounded:
+        return "a limit cycle"
+    if packed.experiment.robot.torque_limit is None:
+        return "divergence"
+    return "a limit cycle within the torque limits, or divergence"
 
 
 def _rule(margin: Margin, late: bool) -> str:
