@@ -2,7 +2,7 @@
 /** The figures of the whole response, each lane beside its baselines. */
 
 import {element} from '../dom/element.js';
-import {COLUMNS, figureNumber, figureText, inDigits} from '../figures/columns.js';
+import {COLUMNS, best, figureNumber, figureText, inDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 import {changeOf} from '../figures/change.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
@@ -57,10 +57,13 @@ export class ResponseMetrics {
     if (built !== this.#built) this.#build(lanes, columns, shown);
     this.#built = built;
     setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
+    const merits = meritsOf(lanes, current, columns);
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
       const estimated = current?.estimated ?? true;
-      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, estimated});
+      this.#fillCurrent(
+        name, now, columns, {selected: name === compared.selected, estimated, merits},
+      );
       for (const baseline of shown) {
         this.#fillBaseline(name, baseline, now, columns);
       }
@@ -115,9 +118,9 @@ export class ResponseMetrics {
    * @param {string} name
    * @param {LaneResponse|null} now
    * @param {Column[]} columns
-   * @param {{selected: boolean, estimated: boolean}} how
+   * @param {{selected: boolean, estimated: boolean, merits: (string|null)[]}} how
    */
-  #fillCurrent(name, now, columns, {selected, estimated}) {
+  #fillCurrent(name, now, columns, {selected, estimated, merits}) {
     const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
     const frozen = now?.frozen;
     row.classList.toggle('is-selected', selected);
@@ -126,7 +129,11 @@ export class ResponseMetrics {
     setText(state, frozen ? DIVERGED : '');
     state.title = frozen?.cause ?? '';
     fillEstimate(estimate, now, estimated);
-    columns.forEach((column, index) => setText(cells[index], textOf(column, now)));
+    columns.forEach((column, index) => {
+      const text = textOf(column, now);
+      setText(cells[index], text);
+      cells[index].classList.toggle('is-best', text === merits[index]);
+    });
   }
 
   /**
@@ -156,10 +163,23 @@ export class ResponseMetrics {
 function key(lane, baseline = 0) { return JSON.stringify([lane, baseline]); }
 
 /**
+ * What a lane reached before it left its bounds is no figure of the whole response.
+ *
  * @param {Column} column
  * @param {LaneResponse|null} lane
  */
-function valueOf({value}, lane) { return lane ? value(lane.metrics, null) : null; }
+function valueOf({value}, lane) { return lane && !lane.frozen ? value(lane.metrics, null) : null; }
+
+/**
+ * @param {import('../api/api.js').Lane[]} lanes
+ * @param {Response|null} current
+ * @param {Column[]} columns
+ * @returns {(string|null)[]} the best of each column as it is written, null where there is none
+ */
+function meritsOf(lanes, current, columns) {
+  const each = lanes.map(({name}) => current?.lanes.get(name) ?? null);
+  return columns.map((column) => best(column, each.map((lane) => valueOf(column, lane))));
+}
 
 /**
  * @param {Column} column
