@@ -6,34 +6,44 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Dashboard
 from tests.browser.response.test_response import (
+    curves,
     lines_before,
     open_response,
     row,
     type_in,
     until_estimated,
 )
+from tests.browser.response.test_response_before import until
 
 GAIN = "lanes.RBFNN-NFTSM.nu"
-GREAT = [-100.0, -170.0, -100.0, 0.0, 0.0, 0.0]
-FITTED = [-22.5, -33.0, -20.0, 0.0, 0.0, 0.0]
-"""Constant torques [N m]; the second is the preset's."""
+GREAT = "-120"
+"""Largest constant torque [N m], almost four times that of the preset."""
 OUTSIDE = """lines => lines.map(line => {
   const curve = line.getBBox();
   const clip = line.closest('[clip-path]').getAttribute('clip-path').match(/#[^'")]+/)[0];
-  const height = Number(document.querySelector(`${clip} rect`).getAttribute('height'));
-  return Math.max(-curve.y, curve.y + curve.height - height);
+  const panel = document.querySelector(`${clip} rect`);
+  const [width, height] = ['width', 'height'].map(name => Number(panel.getAttribute(name)));
+  return Math.max(
+    -curve.y, curve.y + curve.height - height, width - curve.x - curve.width);
 })"""
-"""How far each curve leaves its panel in pixels."""
+"""How far each curve leaves its panel, or ends before its right edge, in pixels."""
 
 
 def test_every_panel_shows_the_curves_before_an_undo_whole(
     page: Page, dashboard: Dashboard
 ) -> None:
     open_response(page, dashboard)
-    for torque in (GREAT, FITTED):
-        dashboard.client.patch("/api/experiment", json={"disturbance": {"constant": torque}})
-        until_estimated(page, dashboard)
-    expect(lines_before(page)).to_have_count(9)
+    page.locator("summary", has_text="Disturbance").click()
+    type_in(page, "disturbance.constant", GREAT)
+    until_estimated(page, dashboard)
+    page.keyboard.press("Control+z")
+    expect(page.locator("[data-path='disturbance.constant'].is-changed")).to_have_count(0)
+    until_estimated(page, dashboard)
+    # The ranges begin anew.
+    for tab in ("Torque", "Error"):
+        shown = curves(page)
+        page.locator(".response").get_by_role("tab", name=tab, exact=True).click()
+        until(page, lambda shown=shown: curves(page) != shown)
     assert max(lines_before(page).evaluate_all(OUTSIDE)) < 1.0
 
 
