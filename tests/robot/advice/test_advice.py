@@ -342,14 +342,6 @@ def test_no_layer_is_proposed_where_the_proportional_gain_is_the_trouble() -> No
     assert "lanes.A.epsilon" not in advice_by_path(document, {**CHATTERING, "k1": 300})
 
 
-def test_divergence_alone_is_expected_only_where_no_torque_limit_can_hold_the_loop() -> None:
-    lane = {"law": "computed_torque", "kp": 2000.0, "kd": 300.0}
-    late = {"simulation": {"mode": "sampled", "control_rate": 200.0, "input_delay": 0.005}}
-    for limit, expected in ((None, "expect divergence."), (50.0, ", or divergence.")):
-        found = advice_by_path({**late, "robot": {"torque_limit": limit}}, lane)
-        assert expected in found["simulation.control_rate"].message
-
-
 def test_required_torque_is_what_perfect_tracking_takes() -> None:
     friction = {"viscous_friction": 3.0, "coulomb_friction": 2.0}
     document = {"robot": {**DATASHEET, **friction}, "disturbance": {"constant": 4.0}}
