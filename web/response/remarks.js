@@ -64,7 +64,7 @@ export class ResponseRemarks {
     const isDrag = response?.estimated === false;
     if (!isDrag) this.#estimated = response;
     const remarks = lanes.flatMap((lane) => remarksOf(lane, response, this.#estimated));
-    if (!this.element.hidden && !this.#isOpen) {
+    if (this.#height && !this.element.hidden && !this.#isOpen) {
       this.element.style.height = isDrag ? `${this.#height}px` : '';
     }
     if (!isDrag || remarks.length) this.element.hidden = !remarks.length;

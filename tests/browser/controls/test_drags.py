@@ -114,3 +114,19 @@ def test_escape_takes_a_drag_back_and_leaves_nothing_to_undo(
     expect_value(screen, f"{before:g}")
     assert gain(dashboard, PROPOSED, "nu") == before
     expect(undo).to_be_disabled()
+
+
+def test_a_lane_that_freezes_says_why_when_the_slider_is_let_go(
+    screen: Page, dashboard: Dashboard
+) -> None:
+    take(screen, dashboard)
+    where = slider(screen).bounding_box()
+    late = {"simulation": {"mode": "sampled", "control_rate": 250}}
+    dashboard.client.patch("/api/experiment", json=late).raise_for_status()
+    dashboard.client.post("/api/session/play").raise_for_status()
+    lane = screen.locator(f'.lane[data-lane="{PROPOSED}"]')
+    expect(lane.locator(".lane-status")).to_have_text("frozen")
+    expect(lane.locator(".lane-cause")).to_be_empty()
+    assert slider(screen).bounding_box() == where
+    screen.mouse.up()
+    expect(lane.locator(".lane-cause")).to_contain_text("left its bounds")
