@@ -33,8 +33,7 @@ def sampling(packed: Packed, name: str) -> Iterator[Advice]:
         return
     late = [" delay"] if sampled and simulation.input_delay else []
     late += [" lag of the drives"] if lag else []
-    expected = "a limit cycle" if margin.bounded else "divergence"
-    rule = f"{_rule(margin, sampled, ' and this'.join(late))}: expect {expected}. "
+    rule = f"{_rule(margin, sampled, ' and this'.join(late))}: expect {_outcome(packed, margin)}. "
     where = "simulation.control_rate" if sampled else "robot.lag"
     if margin.radius is None:
         yield Advice("warning", where, f"{rule}Lower the other gains.")
@@ -83,6 +82,15 @@ def _other_gains(margin: Margin, learns: bool) -> list[str]:
             return [f"reaching gains {short(1.01 * factor)} times higher"]
         return [f"reaching gains {short(1.01 / factor)} times lower"]
     return ["lower surface gains"] + (["a lower learning rate"] if learns else [])
+
+
+def _outcome(packed: Packed, margin: Margin) -> str:
+    """Say in words what an unstable loop comes to; the period map knows no torque limits."""
+    if margin.bounded:
+        return "a limit cycle"
+    if packed.experiment.robot.torque_limit is None:
+        return "divergence"
+    return "a limit cycle within the torque limits, or divergence"
 
 
 def _rule(margin: Margin, sampled: bool, late: str) -> str:

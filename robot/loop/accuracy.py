@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.arm.description.figures import MAX_JOINT_SPEED
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.quantity import bounds
@@ -23,6 +24,9 @@ ROUGH = 0.02
 """Share of rows that were not cut far enough from which on a run says so in words (*ours*)."""
 MATTERS = 3.0
 """By what power of e a deviation grows over a run from which on it counts (*ours*)."""
+WILD = 2.0 * MAX_JOINT_SPEED
+"""Velocity in [rad/s] from which on a sampled motion is so wild that an error in it may grow to
+many times what two runs differ by (*ours*): where it decides at one sample the sign of a torque."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 
@@ -36,6 +40,7 @@ class Accuracy:
             ``None`` where nobody asked for it.
         unconverged: steps whose equation was not solved to its tolerance.
         capped: rows whose step was not cut as far as its own error asked.
+        at_least: whether the error may be many times its estimate: the motion is wild.
         remark: what is wrong and what would help, in words, or an empty text.
         patch: a merge patch that sets what would help, or ``None``.
     """
@@ -43,6 +48,7 @@ class Accuracy:
     error_estimate: float | None = None
     unconverged: int = 0
     capped: int = 0
+    at_least: bool = False
     remark: str = ""
     patch: dict[str, Any] | None = None
 
@@ -117,6 +123,7 @@ def judge(
     left: float,
     capped: int,
     damped: float = 0.0,
+    fastest: float = 0.0,
 ) -> Accuracy:
     """Return the accuracy of a lane, with words where it is not good.
 
@@ -127,8 +134,11 @@ def judge(
         left: what those left of a velocity at most in [rad/s].
         capped: rows whose step was not cut as far as its own error asked.
         damped: growth in [1/s] that the steps may hide; see ``damped_growth``.
+        fastest: greatest velocity of any joint in [rad/s].
     """
     texts, patch = [], None
+    sampled = experiment.simulation.mode == "sampled"
+    wild = error is not None and error > 0.0 and sampled and fastest > WILD
     if unconverged:
         texts.append(
             f"{unconverged} {'step was' if unconverged == 1 else 'steps were'} not solved to "
@@ -150,8 +160,14 @@ def judge(
         texts.append(f"The estimated error of the angles is up to {error:.1g} rad.")
         words, patch = _finer(experiment.simulation, error)
         texts.append(words)
+    if wild:
+        texts.append(
+            f"Joint velocities reach {fastest:.3g} rad/s, where the arm is rated for "
+            f"{MAX_JOINT_SPEED:g}: in a motion like this small errors grow, and the true error can "
+            "be many times the estimate."
+        )
     return Accuracy(
-        None if error is None else float(error), unconverged, capped, " ".join(texts), patch
+        None if error is None else float(error), unconverged, capped, wild, " ".join(texts), patch
     )
 
 

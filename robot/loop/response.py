@@ -131,4 +131,6 @@ def lane_response(
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)
     figures, accuracy = result.metrics.document(), result.accuracy.document()
-    return Response(time, columns, finite[::stride], figures, frozen, accuracy)
+    # A copy: a view would keep every row of the run as long as the response is kept.
+    path = finite[::stride].copy()
+    return Response(time, columns, path, figures, frozen, accuracy)

@@ -25,6 +25,7 @@ from slidetune.robot.kernels.workspace import (
     LEFT,
     NODES,
     QD,
+    R_V,
     RECORD,
     TALLY,
     UNSOLVED,
@@ -217,9 +218,10 @@ def _accuracy(
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
     unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
-    error, damped = None, 0.0
+    error, damped, fastest = None, 0.0, 0.0
     if other is not None:
         damped = _damped_growth(lane, packed)
+        fastest = float(np.nanmax(np.abs(lane.record[:, R_V : R_V + JOINTS])))
         _, stride, share = second_run(packed.experiment)
         second = _run_lane(lane.name, other, LOOSER, stop, tell)
         rows = lane.record[::stride, :JOINTS]
@@ -230,7 +232,8 @@ def _accuracy(
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
         # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
         error = float(error + left * packed.experiment.simulation.horizon)
-    return judge(packed.experiment, error, int(unconverged), float(left), int(capped), damped)
+    counts = int(unconverged), float(left), int(capped)
+    return judge(packed.experiment, error, *counts, damped, fastest)
 
 
 def _damped_growth(lane: Lane, packed: Packed) -> float:

@@ -15,7 +15,7 @@ from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import Workers
 
 KEPT = 48
-"""Responses that are kept, 65 kB each (*ours*): a drag changes one lane, the others stay."""
+"""Responses that are kept, some 140 kB each (*ours*): a drag changes one lane, the others stay."""
 
 
 def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> bytes:

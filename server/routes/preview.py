@@ -19,8 +19,9 @@ SUPERSEDED: dict[int | str, dict[str, Any]] = {
         "description": "See ``encode_responses``. Each lane's ``accuracy`` holds "
         "``error_estimate`` [rad], null where none was asked for; ``unconverged``, steps whose "
         "equation was not solved to its tolerance; ``capped``, rows whose step was not subdivided "
-        "as far as its error requires; ``remark``, what is wrong and what would help; ``patch``, "
-        "which sets it, or null.",
+        "as far as its error requires; ``at_least``, whether the true error may be many times the "
+        "estimate, as in a motion that diverges; ``remark``, what is wrong and what would help; "
+        "``patch``, which sets it, or null.",
     },
     204: {"description": "Superseded by a newer request of the same client."},
     422: {"model": ErrorAnswer},

@@ -5,7 +5,8 @@
 /** @typedef {{time: number, joint: number, cause: string, gamma: number|null}} Frozen */
 /**
  * How good a run is; `error_estimate` [rad] is null where nobody asked for it.
- * @typedef {{error_estimate: number|null, unconverged: number, capped: number, remark: string,
+ * @typedef {{error_estimate: number|null, unconverged: number, capped: number,
+ *   at_least: boolean, remark: string,
  *   patch: import('../fields/merge_patch.js').Document|null}} Accuracy
  */
 /**

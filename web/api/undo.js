@@ -10,7 +10,8 @@ const MOST = 200;
 
 /**
  * Event `change`: what can be undone or redone is different now. Event `refused`: the server
- * didn't take an undo or redo; `detail` is its ApiError and the entry is gone.
+ * didn't take an undo or redo; `detail` is its ApiError and the entry is gone. Event `interrupt`: an
+ * undo or redo ends the movement under way.
  */
 export class History extends EventTarget {
   #api;
@@ -54,6 +55,23 @@ export class History extends EventTarget {
     this.#gesture = null;
     await this.#api.settled();
     if (gesture) this.#remember(gesture.label, gesture.before, gesture.patch);
+  }
+
+  /**
+   * Give the movement up: every value is again as before it, and there is nothing to undo.
+   *
+   * @returns {Promise<void>} kept when the server has answered
+   */
+  async cancel() {
+    const gesture = this.#gesture;
+    this.#gesture = null;
+    if (gesture) {
+      const {before, patch} = gesture;
+      // Some of it may be on its way still.
+      const back = inverse(before, joined(before, patch), patch);
+      if (leaves(back).length) this.#api.patch(back);
+    }
+    await this.#api.settled();
   }
 
   /**
@@ -176,6 +194,7 @@ export class History extends EventTarget {
    * @returns {Promise<void>}
    */
   #travel(way) {
+    this.dispatchEvent(new Event('interrupt'));
     // One after the other: the second of two quick presses must see what the first one did.
     const step = this.#queue.then(() => this.commit()).then(async () => {
       const stacks = way === 'back' ? [this.#done, this.#undone] : [this.#undone, this.#done];

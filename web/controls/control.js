@@ -171,6 +171,33 @@ export class Control {
   commit() { return this.#context.history.commit(); }
 
   /**
+   * Give up the way: the value is again as before it.
+   *
+   * @protected
+   */
+  cancel() { return this.#context.history.cancel(); }
+
+  /**
+   * Be told when the value is changed by something else than the hand that moves it here.
+   *
+   * @protected
+   * @param {() => void} interrupt
+   * @returns {() => void} ends that
+   */
+  watch(interrupt) {
+    const {api, history} = this.#context;
+    const watched = new AbortController();
+    const {signal} = watched;
+    api.addEventListener('patch', (event) => {
+      const {author, patch} = /** @type {CustomEvent} */ (event).detail;
+      if (author !== api.client && valueAt(patch, this.field.path) !== undefined) interrupt();
+    }, {signal});
+    api.addEventListener('hello', interrupt, {signal});
+    history.addEventListener('interrupt', interrupt, {signal});
+    return () => watched.abort();
+  }
+
+  /**
    * The server has answered: what it has is what is shown.
    *
    * @protected

@@ -126,6 +126,8 @@ export class JointsControl extends Control {
       describedBy: this.describedBy,
       move: (value) => this.move(whole(value)),
       commit: () => this.commit(),
+      cancel: () => this.cancel(),
+      watch: (interrupt) => this.watch(interrupt),
       settle: () => this.settle(),
       reset: () => this.reset(),
       refuse: (text) => this.refuse(text),

@@ -22,6 +22,8 @@ export class NumberControl extends Control {
       describedBy: this.describedBy,
       move: (value) => this.move(value),
       commit: () => this.commit(),
+      cancel: () => this.cancel(),
+      watch: (interrupt) => this.watch(interrupt),
       settle: () => this.settle(),
       reset: () => this.reset(),
       refuse: (text) => this.refuse(text),

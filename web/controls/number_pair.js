@@ -13,6 +13,9 @@ import {POSITIONS, fitting, fraction, read, valueAlong, written} from '../fields
  * @property {string} [describedBy]
  * @property {(value: number) => void} move called for every value on the way
  * @property {() => Promise<void>} commit called at its end
+ * @property {() => Promise<void>} cancel called where it is given up
+ * @property {(interrupt: () => void) => () => void} watch for what else changes the value, until
+ *   that which it returns is called
  * @property {() => void} settle called when the server has answered
  * @property {() => void} reset
  * @property {(text: string) => void} refuse
@@ -22,7 +25,10 @@ import {POSITIONS, fitting, fraction, read, valueAlong, written} from '../fields
 const SLOP = 4;
 const ARROWS = new Map([['ArrowUp', 1], ['ArrowDown', -1], ['PageUp', 10], ['PageDown', -10]]);
 
-/** While a person holds it, what the server says doesn't move it. */
+/**
+ * While a person holds it, the answers to its own values don't move it. Another's value does, and
+ * ends the drag: what the hand does until it lets go is nothing.
+ */
 export class NumberPair {
   /** The value on the screen. */
   value = NaN;
@@ -33,6 +39,9 @@ export class NumberPair {
   #holds = 0;
   #keyed = false;
   #typed = false;
+  /** Whether the pointer that is down moves nothing any more. */
+  #isEnded = false;
+  #unwatch = () => {};
   /** @type {{x: number, value: number}|null} where a finger came down; null once it drags */
   #finger = null;
 
@@ -92,23 +101,26 @@ export class NumberPair {
   #sliderEvents() {
     return {
       pointerdown: (/** @type {PointerEvent} */ {pointerType, clientX: x}) => {
-        this.#hold();
+        this.#press();
         this.#finger = pointerType === 'touch' ? {x, value: this.value} : null;
       },
       pointermove: (/** @type {PointerEvent} */ {clientX}) => {
         if (this.#finger && Math.abs(clientX - this.#finger.x) > SLOP) this.#drag();
       },
-      pointerup: () => { this.#drag(); this.#release(); },
-      pointercancel: () => { this.#scrolled(); this.#release(); },
+      pointerup: () => { this.#drag(); this.#lift(); },
+      pointercancel: () => { this.#scrolled(); this.#lift(); },
       // The finger that lands beside the thumb to scroll must not set a gain.
-      input: () => { if (!this.#finger) this.#move(this.#sliderValue()); },
+      input: () => {
+        if (this.#isEnded) this.#show(this.value);
+        else if (!this.#finger) this.#move(this.#sliderValue());
+      },
       // A held key would otherwise make one entry of the history per step.
       change: () => { if (!this.#keyed) this.#end(); },
       keydown: (/** @type {KeyboardEvent} */ {key}) => {
         if (key.startsWith('Arrow') || /^(Page|Home|End)/.test(key)) this.#keyed = true;
       },
       keyup: () => this.#endKeyed(),
-      blur: () => this.#endKeyed(),
+      blur: () => { this.#isEnded = false; this.#endKeyed(); },
       dblclick: () => this.#options.reset(),
     };
   }
@@ -202,15 +214,49 @@ export class NumberPair {
 
   #hold() { this.#holds += 1; }
 
-  #release() { if (this.#holds > 0) this.#end(); }
+  #press() {
+    this.#isEnded = false;
+    this.#hold();
+    this.#unwatch();
+    const unwatch = this.#options.watch(() => this.#interrupt(this.#options.commit));
+    const cancel = (/** @type {KeyboardEvent} */ event) => {
+      if (event.key !== 'Escape' || !this.slider.isConnected) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.#interrupt(this.#options.cancel);
+    };
+    // Wherever the focus is: a finger gives it to no slider.
+    document.addEventListener('keydown', cancel, true);
+    this.#unwatch = () => {
+      unwatch();
+      document.removeEventListener('keydown', cancel, true);
+    };
+  }
 
-  async #end() {
+  #lift() {
+    this.#unwatch();
+    this.#isEnded = false;
+    if (this.#holds > 0) this.#end();
+  }
+
+  /** @param {() => Promise<void>} how it ends */
+  #interrupt(how) {
+    this.#unwatch();
+    this.#isEnded = true;
+    this.#finger = null;
+    this.#end(how);
+  }
+
+  /** @param {() => Promise<void>} [how] */
+  async #end(how = this.#options.commit) {
     const holds = this.#holds;
     if (!holds) return;
-    await this.#options.commit();
+    await how();
     // Someone may have taken hold again while the server was answering.
     if (this.#holds !== holds) return;
     this.#holds = 0;
     this.#options.settle();
+    // What lies along its track is told, too.
+    this.slider.dispatchEvent(new Event('settled', {bubbles: true}));
   }
 }

@@ -38,12 +38,13 @@ function union(ranges) {
  *
  * @param {Range[]} running
  * @param {Range[]} frozen
+ * @param {number} [stretch] how far these may stretch the range, as a multiple of the others'
  * @returns {Range}
  */
-export function wanted(running, frozen) {
+export function wanted(running, frozen, stretch = FROZEN_STRETCH) {
   const [low, high] = union(running);
   if (low > high) return union(frozen);
-  const reach = FROZEN_STRETCH * (high - low || Math.abs(high) || 1);
+  const reach = stretch * (high - low || Math.abs(high) || 1);
   const [deepest, greatest] = union(frozen);
   return [
     Math.min(low, Math.max(deepest, low - reach)),

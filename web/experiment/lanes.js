@@ -66,7 +66,7 @@ class LaneList {
     this.#api.addEventListener('hello', () => this.#build());
     this.#api.addEventListener('patch', () => this.#laws());
     this.#api.addEventListener('select', () => this.#mark());
-    this.#api.addEventListener('state', () => this.#states());
+    for (const type of ['state', 'moving']) this.#api.addEventListener(type, () => this.#states());
   }
 
   #build() {
@@ -125,7 +125,9 @@ class LaneList {
       const text = frozen ? 'frozen' : running;
       if (status.textContent !== text) status.textContent = text;
       status.classList.toggle('is-frozen', frozen);
-      this.#explain(name, cause, frozen, frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '');
+      const why = frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '';
+      // The slider in the hand lies below: it is said when that is let go.
+      if (!this.#api.moving) this.#explain(name, cause, frozen, why);
     }
   }
 

@@ -160,7 +160,7 @@ export function marginWords(margin) {
     : 'the gain of sign(S) at the surface has no bound: it diverges';
   const rho = `${RADIUS.symbol} = ${radius.toPrecision(RADIUS.digits + 1)}`;
   if (stable) return `${rho}: small deviations decay`;
-  return `${rho}, above 1: ${bounded ? 'a limit cycle' : 'the sampled loop diverges'}`;
+  return `${rho}, above 1: ${bounded ? 'a limit cycle' : 'without torque limits the sampled loop diverges'}`;
 }
 
 /**

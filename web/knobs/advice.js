@@ -71,7 +71,7 @@ class AdviceList {
 
   /**
    * Nothing may move under the hand that drags a slider: what stands there says in its own place
-   * what is true by now.
+   * what is true by now, and is grey where it isn't any more.
    *
    * @param {LaneAdvice[]} pieces
    */
@@ -84,7 +84,9 @@ class AdviceList {
       ));
       // One that stands in two places is true in both.
       const [advice] = left[index]?.title ? [left[index]] : left.splice(index, index < 0 ? 0 : 1);
-      line.style.visibility = advice ? '' : 'hidden';
+      line.classList.toggle('is-past', !advice);
+      const button = line.querySelector('button');
+      if (button) button.disabled = !advice;
       if (advice && advice.message !== entry.advice.message) {
         // Asked for only where the text changes: it makes the page lay everything out.
         line.style.minHeight = `${line.getBoundingClientRect().height}px`;

@@ -87,9 +87,10 @@ export function placeOf(value, scale, {width, inset}) {
 /**
  * @param {HTMLCanvasElement} canvas
  * @param {{cells: Cell[], metric: Metric, best: {row: StudyRow, place: number}|null,
- *   width: number}} strip
+ *   ended: boolean, width: number}} strip `ended`: whether all figures are known; a scale of some
+ *   would colour all of them anew with each other
  */
-export function drawStrip(canvas, {cells, metric, best, width}) {
+export function drawStrip(canvas, {cells, metric, best, ended, width}) {
   const pen = sized(canvas, width);
   const style = getComputedStyle(canvas);
   const color = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
@@ -106,7 +107,9 @@ export function drawStrip(canvas, {cells, metric, best, width}) {
     if (!row) continue;
     const figure = row[metric.name];
     if (figure !== null) {
-      pen.fillStyle = shade(dark ? STOPS.dark : STOPS.light, badness(figure, range[0], range[1]));
+      pen.fillStyle = ended
+        ? shade(dark ? STOPS.dark : STOPS.light, badness(figure, range[0], range[1]))
+        : color('--border-strong');
       pen.fillRect(...box);
     }
     if (row.state === 'diverged') hatch(pen, box, color('--text-muted'));

@@ -66,6 +66,7 @@ class HeatStrips {
     });
     place.addEventListener('focusout', () => this.#focus(null));
     place.addEventListener('input', () => this.#tuned());
+    place.addEventListener('settled', () => this.#strip?.tell());
     for (const type of ['patch', 'hello', 'select']) {
       api.addEventListener(type, () => this.#check());
     }

@@ -123,6 +123,7 @@ export class Strip {
       cells: cellsOf(COUNT, rows, track),
       metric,
       best: best ? {row: best, place: placeOf(best.value, field, track)} : null,
+      ended,
       width: track.width,
     });
     if (ended) this.#aloud.textContent = this.#summary();
@@ -179,7 +180,8 @@ export class Strip {
     if (row.state === 'refused') return `${value}: refused, ${row.reason}`;
     if (row.state === 'diverged' || figure === null) return `${value}: diverges`;
     const chatters = row.state === 'chattering' ? ', chatters' : '';
-    return `${value}: ${figureText(metric, figure)}${chatters}`;
+    const mean = metric.reduced === 'mean' ? ', mean of six joints' : '';
+    return `${value}: ${figureText(metric, figure)}${mean}${chatters}`;
   }
 
   #rest() {

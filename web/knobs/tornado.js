@@ -15,6 +15,8 @@ import {LEAST, effectOf, keyOf, kindOf, knobsOf, wordsOf, wordsOfNow} from './to
 /** @typedef {import('./tornado_words.js').Knob} Knob */
 
 const CHANGE = 0.1;
+const PERCENT = Math.round(CHANGE * 100);
+const STALE = 'The experiment has changed since.';
 
 /** The card below the head of the gains. */
 export class Tornado {
@@ -23,19 +25,23 @@ export class Tornado {
   #desk;
   #title = freshId('tornado');
   #now = element('p', {class: 'tornado-now'});
-  #progress = element('progress', {class: 'tornado-progress', 'aria-label': 'Runs done', hidden: true});
+  #progress = element('progress', {class: 'tornado-progress', 'aria-label': 'Runs done'});
   #sides = element('p', {class: 'tornado-sides', 'aria-hidden': 'true', hidden: true},
     element('span', {}, 'better'), element('span', {}, 'worse'));
   #list = element('ol', {class: 'tornado-list'});
   #idle = element('p', {class: 'tornado-idle'});
-  #stale = element('p', {class: 'tornado-stale', role: 'status'});
+  #foot = element('p', {class: 'tornado-foot'});
   #alert = element('p', {class: 'control-alert', role: 'alert'});
   #aloud = element('p', {class: 'visually-hidden', role: 'status'});
   /** @type {AbortController|null} */ #run = null;
   /** @type {StudyRow[]} */ #rows = [];
+  #isDue = false;
   /** What the rows were computed from, and for which lane. */
   #key = '';
   #lane = '';
+  #isRunning = false;
+  /** Whether a hand has a slider, which may lie below: the card keeps its height as long as that. */
+  #isPressed = false;
   /** @type {Set<string>} bars whose value was taken */ #taken = new Set();
 
   /** @param {Desk} desk */
@@ -54,7 +60,14 @@ export class Tornado {
       class: 'tornado', hidden: true, 'aria-labelledby': this.#title,
     }, element('header', {class: 'tornado-head'},
       element('h3', {id: this.#title}, 'Which knob next?'), close),
-    this.#now, this.#progress, this.#alert, this.#sides, this.#list, this.#idle, this.#stale, this.#aloud);
+    this.#now, this.#progress, this.#alert, this.#sides, this.#list, this.#idle, this.#foot, this.#aloud);
+    this.#foot.append(
+      element('span', {class: 'tornado-fresh'}, `Each gain ${PERCENT} % lower and higher.`),
+      element('span', {class: 'tornado-stale'}, STALE),
+      element('button', {
+        class: 'button small', type: 'button', on: {click: () => this.#start()},
+      }, icon('reset'), 'Try again'),
+    );
     this.card.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape') return;
       event.preventDefault();
@@ -65,6 +78,27 @@ export class Tornado {
     for (const type of ['patch', 'hello', 'select']) {
       desk.api.addEventListener(type, () => this.#check());
     }
+    desk.api.addEventListener('moving', () => this.#follow());
+    document.addEventListener('pointerdown', ({target}) => this.#press(target), true);
+    for (const type of ['pointerup', 'pointercancel']) {
+      document.addEventListener(type, () => this.#press(null), true);
+    }
+  }
+
+  /** @param {EventTarget|null} target */
+  #press(target) {
+    const isPressed = target instanceof Element && target.matches('.slider');
+    if (isPressed === this.#isPressed) return;
+    this.#isPressed = isPressed;
+    this.#follow();
+  }
+
+  get #isDragged() { return this.#isPressed || this.#desk.api.moving; }
+
+  /** Draw what a drag has held back. */
+  #follow() {
+    if (this.card.hidden || this.#isDragged) return;
+    if (this.#isDue) this.#draw();
   }
 
   #toggle() {
@@ -86,7 +120,7 @@ export class Tornado {
     this.#lane = api.selected;
     this.#key = this.#depends();
     this.#alert.textContent = '';
-    this.#progress.hidden = false;
+    this.#isRunning = true;
     this.#progress.removeAttribute('value');
     this.#draw();
     try {
@@ -96,7 +130,7 @@ export class Tornado {
       if (run.signal.aborted) return;
       this.#alert.textContent = /** @type {Error} */ (error).message;
     }
-    this.#progress.hidden = true;
+    this.#isRunning = false;
     this.#draw();
     this.#aloud.textContent = this.#summary();
   }
@@ -114,12 +148,15 @@ export class Tornado {
     if (this.card.hidden) return;
     if (this.#desk.api.selected !== this.#lane) { this.#start(); return; }
     const fresh = this.#depends() === this.#key;
-    if (!this.#progress.hidden && !fresh) this.#run?.abort();
+    if (this.#isRunning && !fresh) {
+      this.#run?.abort();
+      this.#isRunning = false;
+    }
     if (fresh && this.#taken.size) {
       this.#taken.clear();
       this.#draw();
     }
-    this.#showStale();
+    this.#showState();
   }
 
   get #present() { return this.#rows.find((row) => row.present); }
@@ -130,23 +167,23 @@ export class Tornado {
     return JSON.stringify([lane, lanes[lane], world]);
   }
 
-  #showStale() {
-    const fresh = this.#depends() === this.#key;
-    const stopped = this.#run?.signal.aborted;
-    if (fresh && !stopped) { this.#stale.replaceChildren(); return; }
-    if (stopped) this.#progress.hidden = true;
-    if (this.#stale.childElementCount) return;
-    this.#stale.replaceChildren('The experiment has changed since. ', element('button', {
-      class: 'button small', type: 'button', on: {click: () => this.#start()},
-    }, icon('reset'), 'Try again'));
+  /** Whether the rows still hold: said in a line that is always there, as is the progress's. */
+  #showState() {
+    const isStale = this.#depends() !== this.#key || this.#run?.signal.aborted === true;
+    this.#progress.classList.toggle('is-over', !this.#isRunning);
+    if (this.#foot.classList.contains('is-stale') === isStale) return;
+    this.#foot.classList.toggle('is-stale', isStale);
+    if (isStale) this.#aloud.textContent = STALE;
   }
 
   #draw() {
+    this.#isDue = this.#isDragged;
+    if (this.#isDue) return;
     const metric = this.#desk.metric.chosen;
     const now = this.#present?.[metric.name] ?? null;
     this.#now.textContent = wordsOfNow(this.#present, metric, this.#lane);
     // Nothing changes its place before all is known: a bar must not slip from under the pointer.
-    const knobs = knobsOf(this.#rows, metric, now, this.#progress.hidden);
+    const knobs = knobsOf(this.#rows, metric, now, !this.#isRunning);
     const strong = knobs.filter(({reach}) => reach > LEAST);
     const idle = knobs.filter(({reach}) => reach <= LEAST);
     const greatest = Math.max(...strong.map(({reach}) => reach).filter(Number.isFinite), 0.001);
@@ -155,10 +192,10 @@ export class Tornado {
     this.#list.replaceChildren(...strong.map((knob) => this.#item(knob, now, greatest)));
     const same = focused && this.#list.querySelector(`[data-trial="${focused}"]`);
     if (same) /** @type {HTMLElement} */ (same).focus();
-    const done = this.#progress.hidden && this.#rows.length > 1;
+    const done = !this.#isRunning && this.#rows.length > 1;
     const names = idle.flatMap(({name}) => [', ', this.#sign(name)]).slice(1);
     this.#idle.replaceChildren(...(done && names.length ? ['No effect: ', ...names, '.'] : []));
-    this.#showStale();
+    this.#showState();
   }
 
   /** @param {string} name of a gain */
@@ -197,7 +234,7 @@ export class Tornado {
   #bar(row, now, greatest) {
     const metric = this.#desk.metric.chosen;
     const effect = effectOf(row, metric, now);
-    const percent = `${row.factor && row.factor < 1 ? '−' : '+'}${Math.round(CHANGE * 100)} %`;
+    const percent = `${row.factor && row.factor < 1 ? '−' : '+'}${PERCENT} %`;
     const words = wordsOf(row, metric, this.#present);
     const {unit} = this.#named(row.name);
     const bar = element('span', {class: `tornado-bar ${kindOf(row, effect)}`});

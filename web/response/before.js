@@ -20,6 +20,7 @@ export class ResponseBefore extends EventTarget {
   #preview;
   /** @type {Response|null} */ #response = null;
   /** @type {Document|null} the newest experiment */ #experiment = null;
+  /** @type {Document|null} as it was loaded */ #baseline = null;
   #revision = 0;
   /** @type {Document|null} the experiment before, while its response isn't known */ #owed = null;
   #computing = false;
@@ -83,12 +84,15 @@ export class ResponseBefore extends EventTarget {
 
   /** A whole experiment came: another one, or the same after the connection was lost. */
   #hello() {
-    const {experiment, revision} = this.#api;
+    const {experiment, baseline, revision} = this.#api;
     const before = this.#experiment;
     if (before && !same(before, experiment)) {
-      this.#begin(before, null);
+      // One that was loaded is no change of the one before it.
+      if (!same(this.#baseline, baseline) || same(experiment, baseline)) this.#take(null, null);
+      else this.#begin(before, null);
       this.#last = null;
     }
+    this.#baseline = baseline;
     this.#note(experiment, revision);
   }
 

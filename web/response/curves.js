@@ -28,6 +28,8 @@ const FAINTEST = 0.4;
 const DASHES = '6px,4px';
 /** Solid as the present, but a broad shadow behind it. */
 const BEFORE = {width: 4, opacity: 0.4, quiet: true};
+/** How far it may stretch a range: the present curves keep a fifth of the height. Ours. */
+const BEFORE_STRETCH = 4;
 /** @type {WeakMap<Float32Array, Float32Array>} columns in the units that are shown */
 const scaled = new WeakMap();
 
@@ -132,7 +134,7 @@ function lastFinite(values) {
 }
 
 /**
- * What was doesn't flatten what is, no more than a lane that ran away.
+ * What was is seen whole, unless it would flatten what is; a lane that ran away is not.
  *
  * @param {Traced[]} traces
  * @param {Traced[]} before
@@ -145,10 +147,13 @@ function dataRange(traces, before, [from, to]) {
       Math.max(0, rowAt(lane.time, from) - 1), rowAt(lane.time, to) + 1,
     ),
   ));
-  const {running = [], frozen = []} = Object.groupBy(traces, ({lane}) => (
+  const apart = (/** @type {Traced[]} */ list) => Object.groupBy(list, ({lane}) => (
     lane.frozen ? 'frozen' : 'running'
   ));
-  return wanted(seen(running.length ? running : before), seen([...frozen, ...before]));
+  const {running = [], frozen = []} = apart(traces);
+  const {running: ran = [], frozen: away = []} = apart(before);
+  const present = wanted(seen(running.length ? running : ran), seen([...frozen, ...away]));
+  return wanted([present], seen(ran), BEFORE_STRETCH);
 }
 
 /**

@@ -2,7 +2,7 @@
 /** The figures of the whole response, each lane beside its baselines. */
 
 import {element} from '../dom/element.js';
-import {COLUMNS, figureNumber, figureText, inDigits} from '../figures/columns.js';
+import {COLUMNS, best, figureNumber, figureText, inDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 import {changeOf} from '../figures/change.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
@@ -57,10 +57,13 @@ export class ResponseMetrics {
     if (built !== this.#built) this.#build(lanes, columns, shown);
     this.#built = built;
     setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
+    const merits = meritsOf(lanes, current, columns);
     for (const {name} of lanes) {
       const now = current?.lanes.get(name) ?? null;
       const estimated = current?.estimated ?? true;
-      this.#fillCurrent(name, now, columns, {selected: name === compared.selected, estimated});
+      this.#fillCurrent(
+        name, now, columns, {selected: name === compared.selected, estimated, merits},
+      );
       for (const baseline of shown) {
         this.#fillBaseline(name, baseline, now, columns);
       }
@@ -115,9 +118,9 @@ export class ResponseMetrics {
    * @param {string} name
    * @param {LaneResponse|null} now
    * @param {Column[]} columns
-   * @param {{selected: boolean, estimated: boolean}} how
+   * @param {{selected: boolean, estimated: boolean, merits: (string|null)[]}} how
    */
-  #fillCurrent(name, now, columns, {selected, estimated}) {
+  #fillCurrent(name, now, columns, {selected, estimated, merits}) {
     const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(key(name)));
     const frozen = now?.frozen;
     row.classList.toggle('is-selected', selected);
@@ -127,7 +130,9 @@ export class ResponseMetrics {
     state.title = frozen?.cause ?? '';
     fillEstimate(estimate, now, estimated);
     columns.forEach((column, index) => {
-      setText(cells[index], textOf(column, now));
+      const text = textOf(column, now);
+      setText(cells[index], text);
+      cells[index].classList.toggle('is-best', text === merits[index]);
       const unknown = now && valueOf(column, now) === null ? column.figure.unknown : '';
       if (cells[index].title !== unknown) cells[index].title = unknown;
     });
@@ -160,10 +165,23 @@ export class ResponseMetrics {
 function key(lane, baseline = 0) { return JSON.stringify([lane, baseline]); }
 
 /**
+ * What a lane reached before it left its bounds is no figure of the whole response.
+ *
  * @param {Column} column
  * @param {LaneResponse|null} lane
  */
-function valueOf({value}, lane) { return lane ? value(lane.metrics, null) : null; }
+function valueOf({value}, lane) { return lane && !lane.frozen ? value(lane.metrics, null) : null; }
+
+/**
+ * @param {import('../api/api.js').Lane[]} lanes
+ * @param {Response|null} current
+ * @param {Column[]} columns
+ * @returns {(string|null)[]} the best of each column as it is written, null where there is none
+ */
+function meritsOf(lanes, current, columns) {
+  const each = lanes.map(({name}) => current?.lanes.get(name) ?? null);
+  return columns.map((column) => best(column, each.map((lane) => valueOf(column, lane))));
+}
 
 /**
  * @param {Column} column
@@ -206,16 +224,19 @@ function fill(cell, value, {kind, text}) {
  * @param {boolean} [estimated] false: the estimate is asked for on release
  */
 function fillEstimate(cell, lane, estimated = true) {
-  const {error_estimate: error = null, unconverged = 0, capped = 0} = lane?.accuracy ?? {};
+  const {error_estimate: error = null, unconverged = 0, capped = 0, at_least: atLeast = false} =
+    lane?.accuracy ?? {};
   // Rows that were not cut as far as they asked count in the estimate; alone they are no warning.
-  const doubtful = (error ?? 0) > GOOD || unconverged > 0 || (error === null && capped > 0);
+  const doubtful =
+    (error ?? 0) > GOOD || unconverged > 0 || atLeast || (error === null && capped > 0);
   const due = error === null && !estimated;
-  const known = error === null ? (due ? '…' : '–') : `±${figureNumber(ACCURACY, error)}`;
+  const known = error === null ? (due ? '…' : '–') : `${atLeast ? '≥' : '±'}${figureNumber(ACCURACY, error)}`;
   setText(cell, `${known}${doubtful ? ' ⚠' : ''}`);
   cell.classList.toggle('is-doubtful', doubtful);
   cell.title = [
     due ? 'estimated on release' : '',
     (error ?? 0) > GOOD ? `above ${figureText(ACCURACY, GOOD)}` : '',
+    atLeast ? 'the true error can be many times this' : '',
     unconverged > 0 ? `${counted(unconverged, 'step')} not solved to tolerance` : '',
     capped > 0 ? `${counted(capped, 'row')} not subdivided as far as its error required` : '',
   ].filter(Boolean).join(', ');

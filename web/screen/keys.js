@@ -23,7 +23,7 @@ const HELP = [
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
   ['Ctrl V', 'Import an experiment from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
-  ['Esc', 'Discard what is typed; remove cursors; close'],
+  ['Esc', 'Discard what is typed; take a drag back; remove cursors; close'],
   ['?', 'This list'],
 ];
 

@@ -17,12 +17,14 @@ export class StripPlot {
   /** @type {SVGPathElement[]} */ #lines = [];
   #high = element('span', {class: 'strip-high'});
   #low = element('span', {class: 'strip-low'});
+  #before = element('span', {class: 'strip-before', hidden: true},
+    element('span', {class: 'plots-shadow', 'aria-hidden': 'true'}), 'before the last change');
   #size = {width: 0, height: 0};
 
   /** @param {() => void} resized asked for when there is another place to draw on */
   constructor(resized) {
     this.#svg.setAttribute('role', 'img');
-    this.element = element('div', {class: 'strip-plot'}, this.#svg, this.#high, this.#low);
+    this.element = element('div', {class: 'strip-plot'}, this.#svg, this.#high, this.#low, this.#before);
     new ResizeObserver(([{contentRect: {width, height}}]) => {
       this.#size = {width, height};
       resized();
@@ -47,6 +49,7 @@ export class StripPlot {
       line.classList.toggle('is-before', trace.role === 'before');
       line.classList.toggle('is-selected', trace.lane === selected);
     }
+    this.#before.hidden = !curves.some(({trace}) => trace.role === 'before');
     this.#zero.setAttribute('d', path(placesAcross(across, window), up, [0, 0], false));
     this.#high.textContent = `${threeDigits(range[1])} ${panel.unit}`;
     this.#low.textContent = threeDigits(range[0]);

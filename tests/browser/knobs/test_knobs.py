@@ -309,3 +309,23 @@ def test_a_fork_adds_a_lane_and_selects_it(dashboard: Dashboard, screen: Page) -
     expect(screen.get_by_role("button", name="Pause", exact=True)).to_be_visible()
     screen.get_by_role("button", name="Undo").click()
     expect(screen.locator(".lane")).to_have_count(3)
+
+
+def test_the_ranking_keeps_its_height_when_a_slider_below_it_is_dragged(screen: Page) -> None:
+    screen.get_by_role("button", name="Which knob next?").click()
+    card = screen.locator(".tornado")
+    again = card.get_by_role("button", name="Try again")
+    expect(card.locator(".tornado-idle")).not_to_be_empty(timeout=SLOW)
+    expect(again).to_be_hidden()
+    dragged = slider(screen, f"lanes.{PROPOSED}.nu")
+    dragged.scroll_into_view_if_needed()
+    track = dragged.bounding_box()
+    assert track is not None
+    screen.mouse.move(track["x"] + track["width"] * 0.4, track["y"] + track["height"] / 2)
+    screen.mouse.down()
+    screen.mouse.move(track["x"] + track["width"] * 0.6, track["y"] + track["height"] / 2)
+    expect(again).to_be_visible()
+    assert dragged.bounding_box() == track
+    screen.mouse.up()
+    expect(control(screen, f"lanes.{PROPOSED}.nu")).to_have_class(re.compile("is-changed"))
+    assert dragged.bounding_box() == track

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.conftest import Dashboard
 from tests.browser.response.test_response import (
@@ -17,6 +17,7 @@ from tests.browser.response.test_response import (
     open_response,
     row,
     simulated,
+    stage_box,
     until_estimated,
     until_shown,
 )
@@ -71,3 +72,62 @@ def test_only_the_dragged_lane_waits_for_its_estimate(page: Page, dashboard: Das
         expect(other).to_have_text(known)
     until_estimated(page, dashboard)
     expect(dragged).to_have_text(re.compile("±"))
+
+
+def test_a_remark_of_before_the_drag_is_grey_and_offers_nothing(
+    page: Page, dashboard: Dashboard
+) -> None:
+    coarse = {"step": 0.005, "scheme": "plain", "horizon": 2.0}
+    dashboard.client.patch("/api/experiment", json={"simulation": coarse})
+    open_response(page, dashboard)
+    remarks = page.locator(".response-remarks")
+    mine = remarks.locator("li").filter(has_text=re.compile("^RBFNN-NFTSM"))
+    offer = mine.get_by_role("button")
+    expect(offer).to_be_enabled()
+    height = remarks.evaluate("node => node.offsetHeight")
+    page.locator(".response-status").evaluate(KEEP_SHOWN)
+    with held(page, "lanes.RBFNN-NFTSM.c"):
+        until_shown(page, "false")
+        expect(mine).to_have_class(re.compile("is-due"))
+        expect(offer).to_be_disabled()
+        expect(remarks.locator("li").last).not_to_have_class(re.compile("is-due"))
+        assert remarks.evaluate("node => node.offsetHeight") == height
+    until_estimated(page, dashboard)
+    expect(remarks.locator(".is-due")).to_have_count(0)
+
+
+def bottom(part: Locator) -> float:
+    box = part.bounding_box()
+    assert box is not None
+    return box["y"] + box["height"]
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844)])
+def test_long_remarks_fold_and_leave_the_time_axis_and_the_toolbar_in_sight(
+    page: Page, dashboard: Dashboard, size: tuple[int, int]
+) -> None:
+    dashboard.client.patch(
+        "/api/experiment", json={"simulation": {"mode": "sampled", "control_rate": 250}}
+    )
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.goto(dashboard.url)
+    if size[0] < 900:
+        page.get_by_role("tab", name="Plots").click()
+    page.locator("[data-view=response]").click()
+    remarks = page.locator(".response-remarks")
+    expect(remarks.locator(".is-frozen")).to_have_count(len(LANES), timeout=60_000)
+    table = page.locator(".response > .scroll-frame")
+    axis = page.locator(".response .xtitle")
+    expect(axis).to_be_attached()
+    pin = page.get_by_role("button", name="Pin as baseline")
+    expect(pin).to_be_enabled()
+    top = table.bounding_box()
+    assert top is not None
+    assert bottom(axis) < bottom(pin) <= top["y"] + 1.0
+    folded = stage_box(page)
+    page.get_by_role("button", name="more", exact=True).click()
+    assert stage_box(page) == folded
+    last = remarks.locator(".response-remark").last
+    assert last.evaluate("node => node.scrollHeight <= node.clientHeight + 1")
+    page.get_by_role("button", name="less", exact=True).click()
+    expect(page.get_by_role("button", name="more", exact=True)).to_be_visible()

@@ -14,6 +14,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.accuracy import GOOD, difference, judge, second_run
 from slidetune.robot.loop.simulate import LaneRun, simulate
 from tests.reference.sampled import solve_sampled
+from tests.trust.random_experiment import Draw
 
 HARSH: dict[str, Any] = {"law": "computed_torque", "kp": 9000.0, "kd": 0.2}
 
@@ -157,6 +158,23 @@ def test_rows_that_ran_out_of_parts_make_the_estimate_doubtful_in_words() -> Non
     assert "larger than estimated" in accuracy.remark
 
 
+# Each was off by many times its estimate: a loop that diverges is sensitive to everything.
+@pytest.mark.parametrize("number", [420, 570, 690])
+def test_a_wild_motion_says_that_its_error_is_at_least_the_estimate(number: int) -> None:
+    draw = Draw(1)
+    documents = [draw.document() for _ in range(number + 1)]
+    lanes = simulate(Experiment.from_document(documents[number])).lanes.values()
+    wild = [lane.accuracy for lane in lanes if lane.accuracy.at_least]
+    assert wild
+    assert all("many times the estimate" in accuracy.remark for accuracy in wild)
+
+
+def test_a_loop_that_chatters_where_it_should_be_is_not_wild() -> None:
+    for name in ("chattering-sign", "realistic"):
+        for lane in simulate(load_preset(name)).lanes.values():
+            assert not lane.accuracy.at_least
+
+
 def test_nobody_pays_for_an_estimate_that_nobody_asked_for() -> None:
     (lane,) = simulate(experiment_of({"law": "smc"}), estimate=False).lanes.values()
     assert lane.accuracy.error_estimate is None
@@ -189,6 +207,7 @@ def test_shipped_presets_are_good(name: str) -> None:
 
 def test_its_document_is_plain() -> None:
     document = lane_of(experiment_of({"law": "smc"})).accuracy.document()
-    assert set(document) == {"error_estimate", "unconverged", "capped", "remark", "patch"}
+    keys = {"error_estimate", "unconverged", "capped", "at_least", "remark", "patch"}
+    assert set(document) == keys
     assert type(document["error_estimate"]) is float
     assert type(document["capped"]) is int

@@ -64,3 +64,13 @@ def test_a_response_holds_the_columns_that_it_names(mode: str) -> None:
     distance = np.linalg.norm(run.flange - run.flange_desired, axis=1)
     np.testing.assert_array_equal(found["flange_error"], distance)
     assert response.metrics == run.metrics.document()
+
+
+def test_a_response_keeps_no_memory_but_its_own_numbers() -> None:
+    experiment = Experiment.from_document({"lanes": {"A": {"law": "smc"}}})
+    response = lane_response(experiment, "A", estimate=False)
+    for array in (response.time, response.columns, response.path):
+        owner = array
+        while isinstance(owner.base, np.ndarray):
+            owner = owner.base
+        assert owner.nbytes == array.nbytes
