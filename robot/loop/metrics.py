@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -117,7 +117,7 @@ def torque_spectrum(torque: Array, period: float) -> tuple[Array, Array] | None:
     return np.fft.rfftfreq(segment, period), power.T
 
 
-@cache
+@lru_cache(maxsize=8)
 def _window(size: int) -> Array:
     """Return a Blackman-Harris window, which lets nothing of a slow swing leak past 50 Hz."""
     from scipy import signal  # here, because it takes most of a second to import
