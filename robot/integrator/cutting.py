@@ -14,7 +14,16 @@ from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, loop_array
 from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.known_shape import as_floats
-from slidetune.robot.kernels.workspace import CAPPED, CUT, ERRORS, OVER, RESIGNED, TALLY, WRONG
+from slidetune.robot.kernels.workspace import (
+    CAPPED,
+    CUT,
+    ERRORS,
+    OVER,
+    RESIGNED,
+    TALLY,
+    UNSOLVED,
+    WRONG,
+)
 
 Array = np.ndarray
 
@@ -33,11 +42,14 @@ RUN_STUCK = 0.5
 """Attempts a row, on average, whose equation may not be solved (*ours*): each takes about 1 ms."""
 LIVE_STUCK = 0.02
 """The same of a live session (*ours*)."""
+UNSOLVED_PARTS = 300.0
+"""Parts that take as long as one whose equation is not solved (*ours*): some 0.5 ms."""
 
 # Numbers of a cutting: how far a lane's steps may be cut, how much of that is left, and the parts
 # of the step that is being made.
 MOST, REFILL, LOOSENESS, LEFT, UNSOLVABLE, FILLED, WHOLE, DEPTH, FROM, LAST, RESULT = range(11)
-PENDING = 11  # parts still to be made: time [s], length [s] and how often it may be halved
+COUNTED = 11
+PENDING = 12  # parts still to be made: time [s], length [s] and how often it may be halved
 PENDING_SIZE = 3
 MOST_HALVINGS = 30
 CUTTING_SIZE = PENDING + PENDING_SIZE * (MOST_HALVINGS + 1)
@@ -113,7 +125,8 @@ def begin_parts(t, cutting, table):  # type: ignore[no-untyped-def]
     work[ERRORS, OVER] = 0.0
     _fill(t, h, cutting)
     cutting[WHOLE], cutting[DEPTH], cutting[RESULT] = h, 0.0, 0.0
-    if halvings <= 0.0:
+    spent = cutting[UNSOLVABLE] <= 0.0 and cutting[LEFT] < 0.0
+    if halvings <= 0.0 or spent:
         _pend(t, h, 0.0, cutting)
     else:
         _pend(t + 0.5 * h, 0.5 * h, halvings - 1.0, cutting)
@@ -140,6 +153,7 @@ def next_part(cutting, table):  # type: ignore[no-untyped-def]
     cutting[LEFT] -= 1.0
     last = cutting[place + 2] <= 0.0 or cutting[LEFT] < 0.0
     cutting[FROM], cutting[LAST] = cutting[place], 1.0 if last else 0.0
+    cutting[COUNTED] = work[TALLY, UNSOLVED]
     numbers[STEP] = cutting[place + 1]
     numbers[TOLERANCE] = inf if last else cutting[LOOSENESS]
     work[ERRORS, RESIGNED] = 1.0 if cutting[UNSOLVABLE] <= 0.0 else 0.0
@@ -155,12 +169,15 @@ def end_part(bad, cutting, table):  # type: ignore[no-untyped-def]
         cutting: what ``cutting_of`` returned.
         table: the lane's table.
     """
+    _, _, _, _, work, _ = loop_arrays(table)
     cutting[DEPTH] -= 1.0
     place = PENDING + PENDING_SIZE * int(cutting[DEPTH])
+    if work[ERRORS, RESIGNED] != 0.0:
+        # Too many were not solved: from now on those count for what they take.
+        cutting[LEFT] -= UNSOLVED_PARTS * (work[TALLY, UNSOLVED] - cutting[COUNTED])
     if bad == STUCK:
         cutting[UNSOLVABLE] -= 1.0
     if cutting[LAST] != 0.0:
-        _, _, _, _, work, _ = loop_arrays(table)
         work[ERRORS, OVER] = max(work[ERRORS, OVER], work[ERRORS, WRONG])
     if bad == RAISED or (cutting[LAST] != 0.0 and bad != 0):
         cutting[RESULT] = bad

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -137,7 +137,7 @@ def torque_spectrum(torque: Array, period: float, above: float) -> tuple[Array, 
     return np.fft.rfftfreq(segment, period), power.T
 
 
-@cache
+@lru_cache(maxsize=8)
 def _window(size: int) -> Array:
     """Return a Blackman-Harris window, whose side lobes let nothing of a slow swing through."""
     from scipy import signal  # here, because it takes most of a second to import

@@ -7,7 +7,8 @@ from slidetune.robot.experiment.document import Experiment
 
 MOST_ARM_STEPS = 8_000_000
 """Most steps of the arm in one lane's run (*ours*): four times the longest run there is, at the
-usual ten in a control period; some 6 s. Others wait for as long as a lane takes."""
+usual ten in a control period; some 6 s. Others wait for as long as a lane takes. One whose steps
+can't be solved may take some ten times as long; see ``robot.integrator.cutting``."""
 _SECONDS = 7.5e-7
 """Time of a step of the arm with the run that estimates its error in [s] (*ours*, measured)."""
 

@@ -38,6 +38,7 @@ from slidetune.robot.kernels.workspace import (
     RECORD_COLUMNS,
     RESIGNED,
     TALLY,
+    UNSOLVED,
     WORK_ROWS,
     WRONG,
 )
@@ -215,3 +216,23 @@ def test_torque_limits_hold(law: str, mode: str) -> None:
     data = model.createData()
     given = [pin.rnea(model, data, *row) for row in zip(q, v, a, strict=False)]
     assert (np.abs(given) <= np.array(limits) + 1e-6).all()
+
+
+def test_a_run_that_can_not_be_solved_comes_to_an_end() -> None:
+    rows, unsolved = 400, 0
+    cutting, work = cutting_of_whole_run(rows), np.zeros((WORK_ROWS, JOINTS))
+    table = table_of(work, step=H)
+    numbers = table.view(np.float64)
+    for row in range(rows):
+        unsolved += 1
+        begin_parts(row * H, cutting, table)
+        while next_part(cutting, table):
+            # An attempt that may not be cut counts as unsolved, and its error would have it cut.
+            last, resigned = numbers[TOLERANCE] == np.inf, work[ERRORS, RESIGNED] != 0.0
+            unsolved += 1
+            if last or resigned:
+                work[TALLY, UNSOLVED] += 1.0
+            end_part(0 if last else REFUSED if resigned else STUCK, cutting, table)
+        assert cutting[RESULT] == 0.0
+    # Each takes half a millisecond.
+    assert unsolved < 4 * rows

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -94,6 +95,20 @@ def test_the_spectrum_is_that_of_scipy(rate: float, rows: int, seed: int, slope:
     # Of a steep line its rounding is left over.
     scale = expected[1].max() + (slope * rows) ** 2
     np.testing.assert_allclose(found[1], expected[1], rtol=1e-9, atol=1e-12 * scale)
+
+
+def test_spectra_of_many_lengths_leave_no_memory_behind() -> None:
+    torque = np.ones((3000, JOINTS))
+    lengths = range(750, 3000, 30)
+    tracemalloc.start()
+    try:
+        for rows in lengths:
+            torque_spectrum(torque[:rows], 1.0 / 3000.0)
+        left, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    windows = 8 * sum(lengths)
+    assert left < 0.5 * windows
 
 
 def test_joints_add_up_as_squares() -> None:
