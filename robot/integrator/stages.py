@@ -72,6 +72,7 @@ from slidetune.robot.kernels.workspace import (
     R_WEIGHTS,
     SLIDING,
     TAU,
+    TRIAL,
     VD,
     WRONG,
     F,
@@ -106,20 +107,30 @@ def _begin(stage, t, table):  # type: ignore[no-untyped-def]
 @inlined
 def write_record(row, weights, environment, work, record):  # type: ignore[no-untyped-def]
     """Record the current state and what the law said of it, in the order of ``RECORD``."""
+    # Row by row, so that all six are added at once.
     for j in range(JOINTS):
-        squares = 0.0
-        if weights != 0:
-            for n in range(NODES):
-                squares += work[CURRENT + W + n, j] ** 2
+        work[TRIAL, j] = 0.0
+    for n in range(NODES if weights != 0 else 0):
+        for j in range(JOINTS):
+            work[TRIAL, j] += work[CURRENT + W + n, j] * work[CURRENT + W + n, j]
+    for j in range(JOINTS):
         limit = environment[LIMIT, j]
         record[row, R_Q + j] = work[CURRENT + Q, j]
         record[row, R_V + j] = work[CURRENT + V, j]
         record[row, R_TAU + j] = min(max(work[TAU, j], -limit), limit)
         record[row, R_S + j] = work[S, j]
         record[row, R_F + j] = work[NETWORK, j]
-        record[row, R_WEIGHTS + j] = squares**0.5
+        record[row, R_WEIGHTS + j] = work[TRIAL, j] ** 0.5
         record[row, R_QD + j] = work[QD, j]
         record[row, R_VD + j] = work[VD, j]
+
+
+@kernel
+def _remember(h, state, into, table):  # type: ignore[no-untyped-def]
+    """Let a law move its memory on after an implicit step; return 0 or RAISED."""
+    inertia, _, environment, _, work, _ = loop_arrays(table)
+    keep_command(h, inertia, environment, work)
+    return move_memory(h, state, into, table)
 
 
 @part
@@ -134,10 +145,9 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         if unsolved(left, tolerance, work):
             return STUCK
         if table[ADVANCE] != 0:
-            keep_command(0.5 * h, inertia, environment, work)
-        bad = move_memory(0.5 * h, state, state, table)
-        if bad != 0:
-            return bad
+            bad = _remember(0.5 * h, state, state, table)
+            if bad != 0:
+                return bad
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
@@ -153,10 +163,9 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     if unsolved(left, tolerance, work):
         return STUCK
     if table[ADVANCE] != 0:
-        keep_command(h, inertia, environment, work)
-    bad = move_memory(h, state, state + FULL, table)
-    if bad != 0:
-        return bad
+        bad = _remember(h, state, state + FULL, table)
+        if bad != 0:
+            return bad
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
@@ -169,9 +178,10 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     if unsolved(left, tolerance, work):
         return STUCK
     if table[ADVANCE] != 0:
-        keep_command(0.5 * h, inertia, environment, work)
-    bad = move_memory(0.5 * h, state, half, table)
-    return bad if bad != 0 else within_bounds(half, work)
+        bad = _remember(0.5 * h, state, half, table)
+        if bad != 0:
+            return bad
+    return within_bounds(half, work)
 
 
 @kernel
