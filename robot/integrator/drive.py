@@ -27,6 +27,10 @@ from slidetune.robot.kernels.workspace import (
 )
 
 
+_LONG = 700.0
+"""Time constants after which nothing is left of a torque (*ours*): e^-700 is the least number."""
+
+
 @inlined
 def lags(environment):  # type: ignore[no-untyped-def]
     """Tell whether any drive has a lag."""
@@ -93,8 +97,9 @@ def held_lag(width, lag):  # type: ignore[no-untyped-def]
     Returns:
         :math:`e^{-r}`, :math:`r e^{-r}`, and the two factors of the mean [-].
     """
-    if lag == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
+    if width >= _LONG * lag:
+        share = lag / width
+        return 0.0, 0.0, share, share
     r = width / lag
     left, gone = exp(-r), -expm1(-r)
     return left, r * left, gone / r, (gone - r * left) / r

@@ -118,9 +118,10 @@ def test_a_drag_shows_the_response_itself_and_its_release_adds_only_the_estimate
         else:
             route.continue_()
 
-    page.route("**/api/preview", take)
     status = page.locator(".response-status")
     estimate = row(page, "RBFNN-NFTSM").locator(".metrics-estimate")
+    until_estimated(page, dashboard)
+    page.route("**/api/preview", take)
     with held(page, "lanes.RBFNN-NFTSM.c"):
         expect(estimate).to_have_text("…")
         expect(estimate).to_have_attribute("title", "estimated on release")

@@ -22,7 +22,7 @@ def learner(dashboard: Dashboard, page: Page) -> Page:
     page.goto(dashboard.url)
     expect(page.locator(".lane")).to_have_count(3)
     page.keyboard.press("l")
-    expect(page.locator(".lesson-row")).to_have_count(6)
+    expect(page.locator(".lesson-row")).to_have_count(10)
     return page
 
 
@@ -192,7 +192,7 @@ def test_what_was_tuned_in_a_lesson_can_be_kept(learner: Page, dashboard: Dashbo
         page.get_by_role("button", name="Next", exact=True).click()
         at_step(page, step + 1)
     page.get_by_role("button", name="Keep this experiment").click()
-    expect(page.locator(".lesson-row")).to_have_count(6)
+    expect(page.locator(".lesson-row")).to_have_count(10)
     assert list(live(dashboard)["lanes"]) == ["NFTSM"]
 
 

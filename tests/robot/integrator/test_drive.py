@@ -83,5 +83,19 @@ def test_an_implicit_step_solves_the_equation_of_the_lags(seed: int, count: int)
         np.testing.assert_allclose(lag * (after - before), h * (ahead - after), atol=1e-11)
 
 
+@pytest.mark.parametrize("lag", [5e-324, 1e-300, 1e-12, 1e-6])
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_lag_too_short_to_matter_does_not(lag: float, count: int) -> None:
+    work, _, _, _ = drawn(1, count)
+    environment = pack_environment(Disturbance(), 0.0, 0.0, None, lag, count)
+    work[APPLIED] = 0.0
+    drive(1e-3, 1.0, environment, work)
+    for row in (APPLIED, DELIVERED):
+        np.testing.assert_allclose(work[row], work[COMMAND], rtol=1e-2, atol=2.0)
+    begin_lag(1e-3, CURRENT, environment, work)
+    end_lag(1e-3, CURRENT, FULL, environment, work)
+    assert np.isfinite(work).all()
+
+
 def test_a_drive_without_a_lag_is_none() -> None:
     assert not lags(pack_environment(Disturbance(), 0.0, 0.0, None, 0.0, 2))

@@ -103,7 +103,7 @@ def test_spectra_of_many_lengths_leave_no_memory_behind() -> None:
     tracemalloc.start()
     try:
         for rows in lengths:
-            torque_spectrum(torque[:rows], 1.0 / 3000.0)
+            torque_spectrum(torque[:rows], 1.0 / 3000.0, 50.0)
         left, _ = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
