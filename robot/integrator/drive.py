@@ -26,7 +26,6 @@ from slidetune.robot.kernels.workspace import (
     WITHHELD,
 )
 
-
 _LONG = 700.0
 """Time constants after which nothing is left of a torque (*ours*): e^-700 is the least number."""
 
