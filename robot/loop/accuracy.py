@@ -124,6 +124,7 @@ def judge(
     capped: int,
     damped: float = 0.0,
     fastest: float = 0.0,
+    by_steps: bool = False,
 ) -> Accuracy:
     """Return the accuracy of a lane, with words where it is not good.
 
@@ -135,6 +136,7 @@ def judge(
         capped: rows whose step was not cut as far as its own error asked.
         damped: growth in [1/s] that the steps may hide; see ``damped_growth``.
         fastest: greatest velocity of any joint in [rad/s].
+        by_steps: whether an observer acts over one step, behind drives with a lag.
     """
     texts, patch = [], None
     sampled = experiment.simulation.mode == "sampled"
@@ -156,6 +158,12 @@ def judge(
             f"e^(t·{damped:.3g}/s). Steps of {1e3 * simulation.step:g} ms damp that: the loop may "
             "seem steadier than it is."
         )
+    if by_steps:
+        texts.append(
+            "Time-delay estimation acts over one step in continuous mode: behind a lag of the "
+            "drives its effect depends on the step, and the true error can be many times the "
+            "estimate. Use the momentum observer, or sampled mode."
+        )
     if error is not None and error > GOOD:
         texts.append(f"The estimated error of the angles is up to {error:.1g} rad.")
         words, patch = _finer(experiment.simulation, error)
@@ -167,7 +175,12 @@ def judge(
             "be many times the estimate."
         )
     return Accuracy(
-        None if error is None else float(error), unconverged, capped, wild, " ".join(texts), patch
+        None if error is None else float(error),
+        unconverged,
+        capped,
+        wild or by_steps,
+        " ".join(texts),
+        patch,
     )
 
 

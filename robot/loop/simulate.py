@@ -233,7 +233,15 @@ def _accuracy(
         # A step that wasn't solved leaves a velocity, both runs alike; at worst it stays.
         error = float(error + left * packed.experiment.simulation.horizon)
     counts = int(unconverged), float(left), int(capped)
-    return judge(packed.experiment, error, *counts, damped, fastest)
+    by_steps = other is not None and _observes_by_steps(lane, packed)
+    return judge(packed.experiment, error, *counts, damped, fastest, by_steps)
+
+
+def _observes_by_steps(lane: Lane, packed: Packed) -> bool:
+    """Tell whether time-delay estimation takes the step for its delay, behind a lag."""
+    gains, continuous = packed.experiment.lanes[lane.name], packed.experiment.simulation.hold == 0.0
+    late = continuous and bool(np.any(packed.environment[LAG]))
+    return late and getattr(gains, "observer", "none") == "time_delay"
 
 
 def _damped_growth(lane: Lane, packed: Packed) -> float:

@@ -166,6 +166,16 @@ def test_a_wild_motion_says_that_its_error_is_at_least_the_estimate() -> None:
     assert not lane_of(experiment_of({**lane, "kp": 100.0, "kd": 10.0}, **late)).accuracy.at_least
 
 
+def test_an_observer_that_acts_over_one_step_behind_a_lag_is_told() -> None:
+    for observer, lag, told in (("time_delay", 0.004, True), ("momentum", 0.004, False)):
+        experiment = experiment_of({"law": "smc", "k1": 5.0, "k2": 1.0, "observer": observer})
+        found = lane_of(experiment.patched({"robot": {"lag": lag}})).accuracy
+        assert found.at_least == told
+        assert ("sampled mode" in found.remark) == told
+    prompt = experiment_of({"law": "smc", "k1": 5.0, "k2": 1.0, "observer": "time_delay"})
+    assert not lane_of(prompt).accuracy.at_least
+
+
 def test_a_loop_that_chatters_where_it_should_be_is_not_wild() -> None:
     for name in ("chattering-sign", "realistic"):
         for lane in simulate(load_preset(name)).lanes.values():
