@@ -40,7 +40,7 @@ class Accuracy:
             ``None`` where nobody asked for it.
         unconverged: steps whose equation was not solved to its tolerance.
         capped: rows whose step was not cut as far as its own error asked.
-        at_least: whether the error may be many times its estimate: the motion is wild.
+        at_least: whether the error may be many times its estimate, as the remark says.
         remark: what is wrong and what would help, in words, or an empty text.
         patch: a merge patch that sets what would help, or ``None``.
     """
@@ -147,7 +147,8 @@ def judge(
             f"tolerance: the residual is up to {left:.1g} rad/s."
         )
     simulation = experiment.simulation
-    if capped > ROUGH * simulation.horizon / simulation.row_period:
+    rough = capped > ROUGH * simulation.horizon / simulation.row_period
+    if rough:
         texts.append(
             f"{capped} rows were not subdivided as far as their local error requires: the error "
             "may be larger than estimated."
@@ -174,14 +175,9 @@ def judge(
             f"{MAX_JOINT_SPEED:g}: in a motion like this small errors grow, and the true error can "
             "be many times the estimate."
         )
-    return Accuracy(
-        None if error is None else float(error),
-        unconverged,
-        capped,
-        wild or by_steps,
-        " ".join(texts),
-        patch,
-    )
+    known = None if error is None else float(error)
+    at_least = error is not None and (wild or by_steps or rough or damped > 0.0)
+    return Accuracy(known, unconverged, capped, at_least, " ".join(texts), patch)
 
 
 def _finer(simulation: Simulation, error: float) -> tuple[str, dict[str, Any] | None]:

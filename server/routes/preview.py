@@ -20,7 +20,7 @@ SUPERSEDED: dict[int | str, dict[str, Any]] = {
         "``error_estimate`` [rad], null where none was asked for; ``unconverged``, steps whose "
         "equation was not solved to its tolerance; ``capped``, rows whose step was not subdivided "
         "as far as its error requires; ``at_least``, whether the true error may be many times the "
-        "estimate, as in a motion that diverges; ``remark``, what is wrong and what would help; "
+        "estimate, as the remark says; ``remark``, what is wrong and what would help; "
         "``patch``, which sets it, or null.",
     },
     204: {"description": "Superseded by a newer request of the same client."},

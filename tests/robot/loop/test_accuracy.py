@@ -155,6 +155,8 @@ def test_rows_that_ran_out_of_parts_make_the_estimate_doubtful_in_words() -> Non
     accuracy = judge(experiment_of(HARSH), 1e-9, 0, 0.0, capped=100)
     assert "100 rows were not subdivided as far as their local error requires" in accuracy.remark
     assert "larger than estimated" in accuracy.remark
+    assert accuracy.at_least
+    assert judge(experiment_of(HARSH), 1e-9, 0, 0.0, 0, damped=20.0).at_least
 
 
 def test_a_wild_motion_says_that_its_error_is_at_least_the_estimate() -> None:
