@@ -59,11 +59,10 @@ def begin_lag(h, state, environment, work):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def without_lag(into, work):  # type: ignore[no-untyped-def]
-    """Write that a command is delivered at once, and no torques of lags to the state ``into``."""
+def without_lag(work):  # type: ignore[no-untyped-def]
+    """Write that a command is delivered at once."""
     for j in range(JOINTS):
         work[WITHHELD, j], work[CARRIED, j] = 0.0, 0.0
-        work[into + DELIVERED, j], work[into + BETWEEN, j] = 0.0, 0.0
 
 
 @kernel

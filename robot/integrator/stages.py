@@ -151,7 +151,7 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         work[ERRORS, WRONG] = step_error(h, tolerance, work)
         if work[ERRORS, WRONG] > tolerance:
             return REFUSED
-        return accept(second, work)
+        return accept(second, lags(environment), work)
     if row >= 0:
         write_record(row, table[HAS_WEIGHTS], environment, work, record)
     if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
@@ -169,7 +169,7 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
     if stage == PLAIN:
         if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
             return REFUSED
-        return accept(second, work)
+        return accept(second, lags(environment), work)
     if changes_within_a_step(environment):
         for j in range(JOINTS):
             work[F, j] += work[DISTURBANCE_HALF, j] - work[DISTURBANCE, j]

@@ -82,7 +82,7 @@ class LaneState:
 
     Attributes:
         state: angles, velocities, weights or memory of the law, torques of the drives.
-            Shape (14, 6).
+            Shape (16, 6).
         memory: what the step before left for the next one. Shape (3, 6).
         torque: torque of the step before in [N m]. Shape (6,).
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).

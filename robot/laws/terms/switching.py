@@ -167,7 +167,7 @@ class ModelFreeReachingGains(ReachingGains):
             raise PydanticCustomError(
                 "model_free",
                 "must be one of {expected}, got implicit: that takes sign(S) at the end of the "
-                "period, which only a law with a model of the arm can predict (nftsm, smc)",
+                "period, which only a law with a model of the arm can predict",
                 {"expected": "tanh, saturation, sign"},
             )
         return value

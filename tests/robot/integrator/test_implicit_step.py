@@ -27,6 +27,7 @@ from slidetune.robot.kernels.workspace import (
     CURRENT,
     CURVE,
     CURVE_ROWS,
+    DELIVERED,
     DRIFT,
     F_SLOPE,
     FLAGS,
@@ -226,14 +227,23 @@ def test_extrapolated_scheme_is_of_second_order(name: str) -> None:
     assert 3.3 < coarse / fine < 4.7
 
 
+def test_without_a_lag_the_torques_of_drives_are_left_alone() -> None:
+    work = np.zeros((WORK_ROWS, JOINTS))
+    work[FULL : FULL + 2 * STATE_ROWS] = 1.0
+    for extrapolated in (False, True):
+        assert accept(extrapolated, False, work) == 0
+        assert (work[CURRENT : CURRENT + DELIVERED] == 1.0).all()
+        assert not work[CURRENT + DELIVERED : CURRENT + STATE_ROWS].any()
+
+
 def test_extrapolation_cancels_the_first_order() -> None:
     full, half = np.random.default_rng(4).normal(size=(2, STATE_ROWS, JOINTS))
     work = np.zeros((WORK_ROWS, JOINTS))
     work[FULL:HALF], work[HALF : HALF + STATE_ROWS] = full, half
-    assert accept(True, work) == 0
+    assert accept(True, True, work) == 0
     np.testing.assert_array_equal(work[CURRENT : CURRENT + STATE_ROWS], 2.0 * half - full)
     work[FULL:HALF] = full
-    assert accept(False, work) == 0
+    assert accept(False, True, work) == 0
     np.testing.assert_array_equal(work[CURRENT : CURRENT + STATE_ROWS], full)
 
 
@@ -259,6 +269,6 @@ def test_a_state_out_of_bounds_is_refused_and_the_current_one_kept(
     assert within_bounds(CURRENT, work) == 0
     work[FULL + row, joint] = value
     assert within_bounds(FULL, work) == joint + 1
-    assert accept(False, work) == joint + 1
+    assert accept(False, False, work) == joint + 1
     assert (work[CURRENT + Q] == 0.5).all()
     assert (work[CURRENT + V : FULL] == 0.0).all()
