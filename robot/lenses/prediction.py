@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.lenses.adapted_gain import adapted_gain
 from slidetune.robot.lenses.swing import QUARTILE, Swing, swing_of
 from slidetune.robot.loop.simulate import LaneRun
-from slidetune.robot.margins.describing_function import describing_function
 from slidetune.robot.margins.harmonic_balance import LimitCycle, limit_cycles
+from slidetune.robot.margins.margin import period_map
+from slidetune.robot.margins.plain_lane import as_plain, switches
 from slidetune.robot.margins.silence import silent_layer
-from slidetune.robot.margins.switching_loop import SwitchingLoop, switches, switching_loop
+from slidetune.robot.margins.switching_loop import SwitchingLoop, switching_loop
+from slidetune.robot.margins.switching_term import SwitchingTerm
 from slidetune.robot.motion.trajectory import HoldTrajectory
 
 Array = np.ndarray
@@ -30,7 +33,7 @@ _LINE = 40
 _FAINT = 0.05
 """Share of the layer below which an amplitude counts as silence (*ours*)."""
 _LEAST = 1e-6
-"""Amplitude in [rad/s] below which there is silence under sign in sampled mode (*ours*)."""
+"""Amplitude in [rad/s] below which there is silence without a layer in sampled mode (*ours*)."""
 COARSE = 0.88
 """Share of the predicted frequency: where the slowest is less, it is where the samples fall that
 decides (*ours*)."""
@@ -49,15 +52,18 @@ class PredictedJoint:
         amplitude: predicted of S in [rad/s], 0 where it should be silent; as in ``Swing`` it is
             greater in a quarter of the time.
         alone: the same if no other joint switched.
+        layer: its boundary layer at that instant in [rad/s]: epsilon, that of the implicit sign, or
+            0 where it has none.
         threshold: boundary layer in [rad/s] from which on it is silent, the others within theirs;
-            ``None`` where there is no limit cycle, or none silences it.
+            ``None`` where there is no limit cycle, none silences it, or it has none.
         locked: numbers of the joints that swing with it, itself among them.
-        load: mean of sw that holds it on its surface.
-        curve: the Nyquist curve in [rad/s]: real parts, imaginary parts. Shape (2, n).
+        load: mean of sw that holds it on its surface; of super-twisting, share of z_max.
+        gain: k2 at the worst instant, which an adaptive law changes, in its unit.
+        curve: the Nyquist curve in [rad/s], of super-twisting in [s]: real parts, imaginary parts.
+            Shape (2, n).
         curve_frequency: frequencies along it in [Hz]. Shape (n,).
-        crossing: where it meets -1/N(A), left of 0, in [rad/s].
-        line: amplitudes A in [rad/s], and 1/N(A) there, whose negative is on the real axis. Shape
-            (2, m).
+        crossing: where it meets -1/N(A), real and imaginary part, ``None`` where it does not.
+        line: amplitudes A in [rad/s], and -1/N(A) there, real and imaginary parts. Shape (3, m).
         measured_frequency: of S in the run in [Hz], ``None`` where it is silent.
         measured_amplitude: of S in the run in [rad/s], ``None`` where it is silent.
         limited: share of the time at the torque limit.
@@ -71,12 +77,14 @@ class PredictedJoint:
     coarse: bool
     amplitude: float | None
     alone: float | None
+    layer: float
     threshold: float | None
     locked: tuple[int, ...]
     load: float
+    gain: float
     curve: Array
     curve_frequency: Array
-    crossing: float | None
+    crossing: tuple[float, float] | None
     line: Array
     measured_frequency: float | None
     measured_amplitude: float | None
@@ -89,9 +97,9 @@ class PredictionView:
     """What the prediction lens shows.
 
     Attributes:
-        switching: the switching function.
+        switching: the switching function, or ``twisting``.
         joints: the six joints.
-        layer: present boundary layers in [rad/s]; 0 under sign. Shape (6,).
+        adaptive: whether its k2 is one that changes.
         threshold: one boundary layer in [rad/s] that silences all joints, ``None`` where none does.
         epsilon: the lane's ``epsilon`` with which it would be silent: a value for all joints, or a
             list where the lane has one; a little wider, in two digits.
@@ -100,7 +108,7 @@ class PredictionView:
 
     switching: str
     joints: tuple[PredictedJoint, ...]
-    layer: Array
+    adaptive: bool
     threshold: float | None
     epsilon: float | list[float] | None
     since: float
@@ -109,6 +117,8 @@ class PredictionView:
 @dataclass(frozen=True)
 class _Instant:
     time: float
+    plain: Packed
+    term: SwitchingTerm
     loop: SwitchingLoop
     cycles: tuple[LimitCycle | None, ...]
 
@@ -128,29 +138,39 @@ def look(
         return None
     run = quiet or run
     lane = packed.experiment.lanes[name]
-    layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), JOINTS)
-    switching: str = lane.switching
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     first = int(rows * (1.0 - _MEASURED))
-    held = isinstance(packed.experiment.trajectory, HoldTrajectory)
+    adapted = adapted_gain(packed, name, run)
+    held = isinstance(packed.experiment.trajectory, HoldTrajectory) and adapted is None
     instants = []
-    for time in np.linspace(run.time[first], run.time[rows - 1], 1 if held else _INSTANTS).tolist():
-        loop = switching_loop(packed, name, time)
-        instants.append(_Instant(time, loop, limit_cycles(loop, switching, layer)))
-    thresholds = _thresholds(packed, name, instants)
-    common = _common_threshold(packed, name, instants)
+    for row in np.linspace(first, rows - 1, 1 if held else _INSTANTS).astype(int).tolist():
+        time = float(run.time[row])
+        plain, term = as_plain(packed, name, time, None if adapted is None else adapted[row])
+        loop = switching_loop(plain, name, time)
+        cycles = limit_cycles(loop, term)
+        if getattr(lane, "switching", "") == "implicit" and _is_silent(packed, name, time):
+            cycles = tuple(one and replace(one, amplitude=0.0) for one in cycles)
+        instants.append(_Instant(time, plain, term, loop, cycles))
+    thresholds = _thresholds(name, instants)
+    common = _common_threshold(name, instants)
     joints = tuple(
-        _joint(packed, run, slice(first, rows), joint, instants, switching, layer, thresholds)
+        _joint(packed, name, run, slice(first, rows), joint, instants, thresholds)
         for joint in range(JOINTS)
     )
     return PredictionView(
-        switching=switching,
+        switching=getattr(lane, "switching", "twisting"),
         joints=joints,
-        layer=np.zeros(JOINTS) if switching == "sign" else layer,
+        adaptive=adapted is not None,
         threshold=common,
-        epsilon=_epsilon(lane.epsilon, common, thresholds),
+        epsilon=_epsilon(getattr(lane, "epsilon", None), common, thresholds),
         since=float(run.time[first]),
     )
+
+
+def _is_silent(packed: Packed, name: str, time: float) -> bool:
+    """Tell whether the implicit sign holds a sampled loop, its joints coupled as they are."""
+    sampled = packed.experiment.simulation.mode == "sampled"
+    return sampled and period_map(packed, name, time).stable()
 
 
 def _worst(instants: list[_Instant], joint: int) -> _Instant | None:
@@ -163,31 +183,33 @@ def _crossings(instant: _Instant) -> Array:
     return np.array([0.0 if one is None else one.crossing for one in instant.cycles])
 
 
-def _thresholds(packed: Packed, name: str, instants: list[_Instant]) -> list[float | None]:
+def _thresholds(name: str, instants: list[_Instant]) -> list[float | None]:
     """Return the layer that silences each joint, those that lock widened together."""
     found: dict[tuple[float, tuple[int, ...]], Array | None] = {}
     thresholds: list[float | None] = []
     for joint in range(JOINTS):
         worst = _worst(instants, joint)
         cycle = None if worst is None else worst.cycles[joint]
-        if worst is None or cycle is None:
+        if worst is None or cycle is None or worst.term.twisting:
             thresholds.append(None)
             continue
         key = worst.time, cycle.locked
         if key not in found:
-            found[key] = silent_layer(packed, name, _crossings(worst), *key[:1], cycle.locked)
+            found[key] = silent_layer(worst.plain, name, _crossings(worst), *key)
         layers = found[key]
         thresholds.append(None if layers is None else float(layers[joint]))
     return thresholds
 
 
-def _common_threshold(packed: Packed, name: str, instants: list[_Instant]) -> float | None:
+def _common_threshold(name: str, instants: list[_Instant]) -> float | None:
     """Return the one layer that silences all joints, at the worst instant."""
-    if not any(cycle is not None for one in instants for cycle in one.cycles):
+    if instants[0].term.twisting or not any(
+        cycle is not None for one in instants for cycle in one.cycles
+    ):
         return None
     widest = 0.0
     for one in instants:
-        layers = silent_layer(packed, name, np.ones(JOINTS), one.time)
+        layers = silent_layer(one.plain, name, np.ones(JOINTS), one.time)
         if layers is None:
             return None
         widest = max(widest, float(layers[0]))
@@ -201,9 +223,9 @@ def _wider(value: float) -> float:
 
 
 def _epsilon(
-    present: float | list[float], common: float | None, thresholds: list[float | None]
+    present: float | list[float] | None, common: float | None, thresholds: list[float | None]
 ) -> float | list[float] | None:
-    if common is None:
+    if common is None or present is None:
         return None
     if not isinstance(present, list | tuple):
         return _wider(common)
@@ -213,28 +235,37 @@ def _epsilon(
 
 def _joint(
     packed: Packed,
+    name: str,
     run: LaneRun,
     rows: slice,
     joint: int,
     instants: list[_Instant],
-    switching: str,
-    layer: Array,
     thresholds: list[float | None],
 ) -> PredictedJoint:
     cycles = [one.cycles[joint] for one in instants]
     known = [cycle for cycle in cycles if cycle is not None]
     worst = _worst(instants, joint)
     cycle = None if worst is None else worst.cycles[joint]
-    curve, frequency = np.empty((2, 0)), np.empty(0)
+    shown = worst or instants[0]
+    layer = float(shown.term.layer[joint]) if shown.term.has_layer else 0.0
+    curve, frequency, meets = np.empty((2, 0)), np.empty(0), None
     if worst is not None and cycle is not None:
         omega = np.geomspace(0.3 * cycle.omega, min(8.0 * cycle.omega, worst.loop.fastest), _CURVE)
         found = cycle.curve(worst.loop, joint, omega)
         curve, frequency = np.array([found.real, found.imag]), omega / (2.0 * np.pi)
+        point = cycle.curve(worst.loop, joint, np.array([cycle.omega]))[0]
+        # A switching function leaves a swing where it was: on the real axis, but for what is lost
+        # in finding where.
+        meets = (
+            (float(point.real), float(point.imag))
+            if worst.term.twisting
+            else (-cycle.crossing, 0.0)
+        )
 
     def usual(values: list[float], share: float = 0.5) -> float | None:
         return float(np.quantile(values, share)) if values else None
 
-    least = _least(packed, switching, float(layer[joint]), float(run.layer[joint]))
+    least = _least(packed, layer, float(run.layer[joint]))
     swing = swing_of(run.S[rows, joint], packed.experiment.simulation.row_period, least)
     amplitude = usual([one.amplitude for one in known], QUARTILE)
     limited, sticking = _obstacles(packed, run, rows, joint, swing)
@@ -247,13 +278,15 @@ def _joint(
         coarse=any(one.slowest < COARSE * one.omega for one in known),
         amplitude=None if amplitude is None else amplitude * (amplitude > least),
         alone=usual([one.alone for one in known], QUARTILE),
+        layer=layer,
         threshold=thresholds[joint],
         locked=() if cycle is None else tuple(other + 1 for other in cycle.locked),
-        load=float(max((one.loop.load[joint] for one in instants), key=abs)),
+        load=max((_load(packed, name, one, joint) for one in instants), key=abs),
+        gain=_gain(shown.plain, name, joint),
         curve=curve,
         curve_frequency=frequency,
-        crossing=None if cycle is None else cycle.crossing,
-        line=_line(switching, float(layer[joint]), 0.0 if cycle is None else cycle.crossing),
+        crossing=meets,
+        line=np.empty((3, 0)) if cycle is None else _line(shown, joint, layer, cycle),
         measured_frequency=None if swing is None else swing.frequency,
         measured_amplitude=None if swing is None else swing.amplitude,
         limited=limited,
@@ -261,23 +294,36 @@ def _joint(
     )
 
 
-def _line(switching: str, layer: float, crossing: float) -> Array:
-    """Return amplitudes and 1/N(A), from a small swing to past the crossing. Shape (2, m)."""
-    start, end = (
-        (1e-2 * crossing, 2.0 * crossing)
-        if switching == "sign"
-        else (0.05 * layer, 3.0 * max(crossing, layer))
-    )
-    if end <= 0.0:
-        return np.empty((2, 0))
-    amplitudes = np.geomspace(start, end, _LINE)
-    layers = np.full(_LINE, layer)
-    return np.array([amplitudes, 1.0 / describing_function(switching, amplitudes, layers)])
+def _gain(plain: Packed, name: str, joint: int) -> float:
+    return float(np.broadcast_to(np.asarray(plain.experiment.lanes[name].k2, float), JOINTS)[joint])
 
 
-def _least(packed: Packed, switching: str, layer: float, reached: float) -> float:
+def _load(packed: Packed, name: str, instant: _Instant, joint: int) -> float:
+    """Return what of its torque a switching term needs to hold a joint on its surface."""
+    load = float(instant.loop.load[joint])
+    if not instant.term.twisting:
+        return load
+    bound = np.broadcast_to(np.asarray(packed.experiment.lanes[name].z_max, float), JOINTS)[joint]
+    return load / float(bound) if bound > 0.0 else float(np.sign(load))
+
+
+def _line(instant: _Instant, joint: int, layer: float, cycle: LimitCycle) -> Array:
+    """Return amplitudes and -1/N(A), from a small swing to past the crossing. Shape (3, m)."""
+    if instant.term.twisting:
+        amplitudes = np.geomspace(1e-2, 4.0, _LINE) * cycle.amplitude
+    elif layer == 0.0:
+        amplitudes = np.geomspace(1e-2, 2.0, _LINE) * cycle.crossing
+    else:
+        amplitudes = np.geomspace(0.05 * layer, 3.0 * max(cycle.crossing, layer), _LINE)
+    one, hold = instant.term.of([joint]), instant.loop.hold
+    passed = [one.describing_function(np.array([A]), cycle.omega, hold)[0] for A in amplitudes]
+    back = -1.0 / np.array(passed)
+    return np.array([amplitudes, back.real, back.imag])
+
+
+def _least(packed: Packed, layer: float, reached: float) -> float:
     """Return the amplitude in [rad/s] that is not yet a swing."""
-    if switching != "sign":
+    if layer > 0.0:
         return _FAINT * layer
     return reached if packed.experiment.simulation.mode == "continuous" else _LEAST
 

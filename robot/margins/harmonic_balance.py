@@ -16,6 +16,9 @@ times as far as either alone. So the balance is that of all joints that lock,
 and joints apart in frequency keep their own. Amplitudes are those of the whole wave, with the
 harmonics that the loop passes: a triangle is 1.23 times as high as its fundamental.
 
+Super-twisting turns a swing by an angle that depends on how far and how fast it goes, so that its
+amplitude decides its frequency as well (Boiko, *Discontinuous Control Systems*, 2009).
+
 It knows neither torque limits nor Coulomb friction, nor that a sampled switch falls between two
 samples: where a period is few samples long, it is one of those between ``slowest`` and ``fastest``.
 """
@@ -27,8 +30,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.margins.describing_function import switched
 from slidetune.robot.margins.switching_loop import SwitchingLoop
+from slidetune.robot.margins.switching_term import SwitchingTerm, integrator
 
 Array = np.ndarray
 
@@ -56,8 +59,8 @@ class LimitCycle:
         fastest: the same if every switch came at once.
         amplitude: half of what S swings in [rad/s], 0 where the layer silences it.
         alone: the same if no other joint switched.
-        crossing: how far left of 0 its curve crosses the real axis in [rad/s]: the width of the
-            boundary layer from which on it is silent.
+        crossing: how far from 0 its curve is where it balances; of a switching function the width
+            of the boundary layer in [rad/s] from which on it is silent.
         locked: the joints that swing with it, itself among them, from 0.
         phasors: how all six switch against this one; 0 where one is not locked. Shape (6,).
     """
@@ -84,28 +87,25 @@ class LimitCycle:
         return np.asarray(loop.folded(omega) * (loop.response(omega)[:, joint] @ self.phasors))
 
 
-def limit_cycles(
-    loop: SwitchingLoop, switching: str, layer: Array
-) -> tuple[LimitCycle | None, ...]:
+def limit_cycles(loop: SwitchingLoop, term: SwitchingTerm) -> tuple[LimitCycle | None, ...]:
     """Return the limit cycle of each joint; ``None`` where the balance has no solution.
 
     Args:
-        loop: the loop around the switching functions.
-        switching: tanh, saturation or sign.
-        layer: boundary layers in [rad/s]. Shape (6,).
+        loop: the loop around the switching terms.
+        term: these of all six joints.
     """
-    own, late, early = (_own_frequencies(loop, part * loop.hold) for part in (0.0, 0.5, -0.5))
+    own, late, early = (_own_frequencies(loop, term, part * loop.hold) for part in (0.0, 0.5, -0.5))
     found: list[LimitCycle | None] = [None] * JOINTS
     for joints in _groups(loop, own):
-        group = _Locked(loop, joints, switching, layer[joints])
+        group = _Locked(loop, joints, term.of(joints))
         omega, phasors = group.frequency(own[joints])
         amplitudes = group.amplitudes(omega, phasors)
         folded = float(loop.folded(np.array([omega]))[0])
-        crossings = folded * np.abs(group.answer(omega, phasors))
+        crossings = folded * np.abs(group.answer(omega, phasors) / phasors)
         for place, joint in enumerate(joints):
             alone = amplitudes[place]
             if len(joints) > 1:
-                one = _Locked(loop, [joint], switching, layer[[joint]])
+                one = _Locked(loop, [joint], term.of([joint]))
                 alone = one.amplitudes(omega, np.ones(1, complex))[0]
             among = np.zeros(JOINTS, complex)
             among[joints] = phasors / phasors[place]
@@ -122,7 +122,7 @@ def limit_cycles(
     return tuple(found)
 
 
-def _own_frequencies(loop: SwitchingLoop, late: float) -> Array:
+def _own_frequencies(loop: SwitchingLoop, term: SwitchingTerm, late: float) -> Array:
     """Return where each joint alone would swing in [rad/s], NaN for nowhere. Shape (6,).
 
     Sampling turns a curve by 90 degrees at half of the control rate: a sampled loop that has not
@@ -134,8 +134,15 @@ def _own_frequencies(loop: SwitchingLoop, late: float) -> Array:
     for joint in range(JOINTS):
         curve = response[:, joint, joint]
         if np.any(np.abs(curve) > 0.0):
+            if term.twisting:
+                # As it stands before the real axis once the term has turned it.
+                size = np.abs(curve)
+                amplitude = term.balanced_amplitude(joint, size, omegas, loop.hold)
+                passed = term.of([joint]).describing_function(amplitude, omegas, loop.hold)
+                curve = curve * passed / np.abs(passed)
             omega = _swings_at(omegas, curve)
-            found[joint] = loop.fastest if omega is None and loop.hold else omega or np.nan
+            sampled = loop.hold and not (term.twisting and curve[0].imag >= 0.0)
+            found[joint] = loop.fastest if omega is None and sampled else omega or np.nan
     return found
 
 
@@ -183,8 +190,7 @@ class _Locked:
 
     loop: SwitchingLoop
     joints: list[int]
-    switching: str
-    layer: Array
+    term: SwitchingTerm
 
     def _response(self, omega: Array) -> Array:
         return self.loop.response(omega)[:, self.joints][:, :, self.joints]
@@ -198,10 +204,13 @@ class _Locked:
         H, lead = self._response(np.array([omega]))[0], 0.0
         for _ in range(_ROUNDS):
             answer = -H @ swing
-            lead = float(np.angle(np.vdot(swing, answer)))
-            turned = answer * np.exp(-1j * lead)
-            before, swing = swing, turned / np.maximum(np.abs(turned), 1e-300)
-            if np.abs(before - swing).max() < 1e-9:
+            passed = answer / np.maximum(np.abs(answer), 1e-300)
+            if self.term.twisting:
+                sizes = np.maximum(np.abs(answer), 1e-300)
+                passed = answer * self.term.describing_function(sizes, omega, self.loop.hold)
+            lead = float(np.angle(np.vdot(swing, passed)))
+            before, swing = swing, passed * np.exp(-1j * lead)
+            if np.abs(before - swing).max() < 1e-9 * np.abs(swing).max():
                 break
         return swing, lead
 
@@ -233,26 +242,47 @@ class _Locked:
         The wave is put together of the harmonics that come back through the loop, of a torque that
         is held from sample to sample, until it is the one that makes this torque.
         """
-        loop, count = self.loop, self._samples(omega)
+        count = self._samples(omega)
         angles = (np.arange(count) + 0.5) * 2.0 * np.pi / count
         turn = np.exp(1j * _HARMONICS[:, None] * angles)
         # The hold's delay is in the loop already; what is left is a step about each sample.
         held = np.sinc(_HARMONICS / count) * 2.0 / count
         H = self._response(omega * _HARMONICS)
-        # Sign that also carries a load b = sin(pi load / 2) A passes on less of a swing.
-        share = np.cos(0.5 * np.pi * np.clip(loop.load[self.joints], -1.0, 1.0))
+        share = self._share()
         S = (self.answer(omega, 4.0 / np.pi * phasors * share)[:, None] * turn[0]).imag
         for _ in range(_ROUNDS):
-            torque = share[:, None] * switched(self.switching, S, self.layer)
-            parts = (torque @ turn.conj().T) * held
+            torque = share[:, None] * self.term.switched(S)
+            if self.term.twisting:
+                parts = torque @ turn.conj().T
+                signs = self.term.rate[:, None] * np.sign(S)
+                parts = (parts + (signs @ turn.conj().T) * self._integrators(omega, count)) * held
+            else:
+                parts = (torque @ turn.conj().T) * held
             answers = -np.einsum("kij,jk->ik", H, parts)
             lead = np.angle(np.vdot(parts[:, 0], answers[:, 0]))
             before, S = S, (answers * np.exp(-1j * lead * _HARMONICS) @ turn).real
             if np.abs(before - S).max() < 1e-6 * np.abs(S).max():
                 break
-        if self.switching != "sign" and np.all(np.abs(S) < _SILENT * self.layer[:, None]):
+        silent = _SILENT * self.term.layer[:, None]
+        if self.term.has_layer and np.all(np.abs(S) < silent):
             return np.zeros(len(S))
         return np.asarray(0.5 * np.ptp(S, axis=1))
+
+    def _share(self) -> Array:
+        """Return what is left of a swing beside the load that the term also has to carry.
+
+        Sign that carries b = sin(pi load / 2) A passes on less of it; an integral carries it all.
+        """
+        if self.term.twisting:
+            return np.ones(len(self.joints))
+        load = np.clip(self.loop.load[self.joints], -1.0, 1.0)
+        return np.asarray(np.cos(0.5 * np.pi * load))
+
+    def _integrators(self, omega: float, count: int) -> Array:
+        """Return what the integral does to each harmonic of a period of so many samples."""
+        if self.loop.hold and count < _FINEST:
+            omega = 2.0 * np.pi / (count * self.loop.hold)
+        return integrator(omega * _HARMONICS, self.loop.hold)
 
     def _samples(self, omega: float) -> int:
         """Return how many samples make a period: as many above the surface as below."""

@@ -7,10 +7,10 @@ import pinocchio as pin
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.workspace import QD, S_V, VD, WORK_ROWS
+from slidetune.robot.kernels.workspace import QD, S_V, WORK_ROWS
 from slidetune.robot.laws.terms.switching import HELD
 from slidetune.robot.margins.margin import evaluate
-from slidetune.robot.motion.trajectory import reference
+from slidetune.robot.motion.trajectory import QUINTIC, reference
 
 Array = np.ndarray
 
@@ -35,16 +35,26 @@ def layer_of(packed: Packed, name: str) -> Array:
         return np.broadcast_to(np.asarray(getattr(lane, "layer", 0.0), dtype=float), JOINTS)
     width = period * np.broadcast_to(np.asarray(lane.k2, dtype=float), JOINTS)
     if not getattr(lane, "inertia_shaped", False):
-        width = width * _mobility(packed, name)
+        width = width * mobility_at(packed, name, 0.0)
     return np.where(width > 0.0, width, HELD)
 
 
-def _mobility(packed: Packed, name: str) -> Array:
-    """Return the diagonal of Gamma over M at the beginning of the motion. Shape (6,)."""
+def mobility_at(packed: Packed, name: str, time: float) -> Array:
+    r"""Return the diagonal of :math:`\Gamma M^{-1}`, of the nominal arm on its desired motion.
+
+    Args:
+        packed: the experiment as numbers.
+        name: the lane.
+        time: when, in [s].
+
+    Returns:
+        What a torque on a joint alone does to the rate of its S in [1/(kg m^2)]. Shape (6,).
+    """
     work, model = np.zeros((WORK_ROWS, JOINTS)), packed.nominal or packed.model
-    reference(0.0, packed.trajectory, work)
-    q, v = work[QD].copy(), work[VD].copy()
-    slope = evaluate(packed, name, q, v, packed.trajectory)[S_V]
+    reference(time, packed.trajectory, work)
+    q = work[QD].copy()
+    held = np.concatenate([[QUINTIC, 1.0], q, q])
+    slope = evaluate(packed, name, q, np.zeros(JOINTS), held)[S_V]
     M = pin.crba(model, model.createData(), q)
     mobility: Array = slope * np.diag(np.linalg.inv(M))
     return mobility

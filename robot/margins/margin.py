@@ -324,10 +324,13 @@ def is_stable(packed: Packed, name: str) -> bool:
 
 def with_lane(packed: Packed, name: str, **gains: Any) -> Packed:
     """Return the experiment with other gains of one lane."""
-    lane = packed.experiment.lanes[name].model_copy(update=gains)
-    experiment = packed.experiment.model_copy(
-        update={"lanes": {**packed.experiment.lanes, name: lane}}
-    )
+    return replaced(packed, name, packed.experiment.lanes[name].model_copy(update=gains))
+
+
+def replaced(packed: Packed, name: str, lane: Any) -> Packed:
+    """Return the experiment with another lane in the place of one."""
+    lanes = {**packed.experiment.lanes, name: lane}
+    experiment = packed.experiment.model_copy(update={"lanes": lanes})
     return replace(packed, experiment=experiment, gains={**packed.gains, name: lane.pack()})
 
 

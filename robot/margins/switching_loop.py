@@ -6,7 +6,7 @@ the proportional reaching gain, the slope of the surface, friction and the netwo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +15,7 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import S_E, S_V, TAU
+from slidetune.robot.margins.margin import with_lane
 from slidetune.robot.margins.period_map import Around, calm
 from slidetune.robot.margins.unsampled import as_if_unsampled
 
@@ -24,24 +25,10 @@ _FREE = 1e-9
 """Torque in [N m] below which there is no switching term (*ours*)."""
 
 
-def switches(packed: Packed, name: str) -> bool:
-    """Tell whether a lane has a switching term k2 sw(S) that a harmonic balance can be made of.
-
-    Power reaching has none: its gain at S = 0 has no end, whatever its layer.
-    """
-    lane = packed.experiment.lanes[name]
-    known = getattr(lane, "switching", "") in ("tanh", "saturation", "sign")
-    return known and getattr(lane, "reaching", "") != "power" and bool(np.any(lane.k2))
-
-
 def with_layer(packed: Packed, name: str, layer: float | Array) -> Packed:
     """Return the experiment with a lane that switches by tanh within another layer in [rad/s]."""
     epsilon = layer if isinstance(layer, float) else np.asarray(layer, dtype=float).tolist()
-    lane = packed.experiment.lanes[name]
-    lane = lane.model_copy(update={"switching": "tanh", "epsilon": epsilon})
-    lanes = {**packed.experiment.lanes, name: lane}
-    experiment = packed.experiment.model_copy(update={"lanes": lanes})
-    return replace(packed, experiment=experiment, gains={**packed.gains, name: lane.pack()})
+    return with_lane(packed, name, switching="tanh", epsilon=epsilon)
 
 
 @dataclass(frozen=True)
@@ -126,7 +113,7 @@ def switching_loop(packed: Packed, name: str, time: float) -> SwitchingLoop:
 
     Args:
         packed: the experiment as numbers.
-        name: the lane, one that ``switches``.
+        name: the lane, one that ``as_plain`` returned.
         time: when along the desired motion, in [s].
     """
     simulation = packed.experiment.simulation
@@ -138,6 +125,8 @@ def switching_loop(packed: Packed, name: str, time: float) -> SwitchingLoop:
     S_v, S_e, asked = (around.work[row].copy() for row in (S_V, S_E, TAU))
     missing = around.load - asked
     missing[around.learning] = 0.0
+    if getattr(packed.experiment.lanes[name], "observer", "none") != "none":
+        missing[:] = 0.0  # it carries what the law lacks
     linear = around.map(outside)
     period = linear.timing.period
     velocities = slice(JOINTS, 2 * JOINTS)

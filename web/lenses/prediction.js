@@ -27,6 +27,16 @@ const HEADINGS = [
   ['locked', 'Joints that swing at one frequency and push each other'],
 ];
 
+/** How the picture is read: −1/N(A) has no beginning without a layer, and is turned by an integral. */
+const BALANCE = {
+  layer: 'The dots are −1/N(A): they begin at −ε and run left as S swings farther. Where they meet the '
+    + 'curve, S keeps swinging; if they begin left of it, S is silent.',
+  sign: 'The dots are −1/N(A): they begin at 0 and run left as S swings farther. Where they meet the '
+    + 'curve, S keeps swinging.',
+  twisting: 'The dots are −1/N(A): they run away from 0 as S swings farther, and the integral z turns '
+    + 'them from the axis. Where they meet the curve, S keeps swinging.',
+};
+
 /** Shows what the pencil says of a lane. */
 export class PredictionLens {
   id = 'prediction';
@@ -76,7 +86,7 @@ export class PredictionLens {
     const {seen: {prediction}, lane, joint} = look;
     this.#look = look;
     this.#mark(look);
-    if (!prediction) return `${lane} has no switching term k₂sw(S), or power reaching: there is nothing to balance.`;
+    if (!prediction) return `${lane} has no switching term, or power reaching: there is nothing to balance.`;
     this.#table.replaceChildren(...prediction.joints.map((/** @type {any} */ one, /** @type {number} */ index) => (
       row(one, index + 1, joint)
     )));
@@ -85,16 +95,14 @@ export class PredictionLens {
     const {epsilon} = prediction;
     this.#button.hidden = epsilon === null || isWatching();
     this.#button.textContent = `Set ε to ${epsilonText(epsilon)}`;
-    this.#curve.facts = facts(one);
-    this.#curve.finding = cautions(one, joint);
+    this.#curve.facts = facts(one, prediction);
+    this.#curve.finding = cautions(one, joint, prediction);
     this.#curve.words = `Joint ${joint}: its curve G, with k₁, friction and the joints that are locked. `
-      + 'The dots are −1/N(A): they begin at −ε and run left as S swings farther. Where they meet the '
-      + 'curve, S keeps swinging; if they begin left of it, S is silent.';
+      + BALANCE[prediction.switching === 'twisting' ? 'twisting' : one.layer ? 'layer' : 'sign'];
     this.#figure.element.hidden = one.crossing === null;
     if (one.crossing !== null) {
-      const layer = prediction.layer[joint - 1];
       this.#figure.draw(`Joint ${joint}: Nyquist curve against −1/N(A)`, (colors) => (
-        nyquistFigure(colors, one, {...look, layer})
+        nyquistFigure(colors, one, look)
       ));
     }
     return undefined;
@@ -104,7 +112,7 @@ export class PredictionLens {
     const {lane, seen} = this.#look ?? {};
     if (!lane) return;
     const {epsilon, switching} = seen.prediction;
-    const gains = {epsilon, ...(switching === 'sign' && {switching: 'tanh'})};
+    const gains = {epsilon, ...(['sign', 'implicit'].includes(switching) && {switching: 'tanh'})};
     try {
       await this.#desk.history.change({lanes: {[lane]: gains}}, `ε of ${lane}`);
     } catch (error) {
@@ -174,31 +182,51 @@ function epsilonText(epsilon) {
 }
 
 /** @param {any} prediction */
-function finding({joints, switching, threshold, layer}) {
+function finding({joints, switching, threshold, adaptive}) {
   const swinging = joints.filter((/** @type {any} */ {frequency}) => frequency !== null);
-  if (!swinging.length) return 'No limit cycle: nothing comes late enough to make this loop swing.';
-  if (threshold === null) return 'It swings whatever ε is: k₁ alone is too much for what comes late.';
+  const present = adaptive ? ' k₂ adapts: this is for what it was in the run.' : '';
+  if (!swinging.length) return `No limit cycle: nothing comes late enough to make this loop swing.${present}`;
+  if (switching === 'twisting') return 'Super-twisting swings, if only a little: weaker k₁ and k₂ or less delay make it less.';
+  if (threshold === null) return `It swings whatever ε is: k₁ alone is too much for what comes late.${present}`;
   const from = `silent from ε = ${threeDigits(threshold)} rad/s on`;
-  if (switching === 'sign') return `sign swings whatever k₂ is. tanh in its place would be ${from}.`;
+  if (switching === 'sign') return `sign swings whatever k₂ is. tanh in its place would be ${from}.${present}`;
   const loud = swinging.filter((/** @type {any} */ {amplitude}) => amplitude > 0).length;
-  const thin = `${loud === joints.length ? 'All joints swing' : `${loud} of ${joints.length} joints swing`} at this ε`;
-  const widest = Math.max(...layer);
-  return loud ? `${thin}; it is ${from}.` : `Silent: ε = ${threeDigits(widest)} rad/s is wide enough; it is ${from}.`;
+  const many = loud === joints.length ? 'All joints swing' : `${loud} of ${joints.length} joints swing`;
+  if (switching === 'implicit') {
+    return loud
+      ? `${many}: the layer T·k₂ is too thin for what comes late. tanh in its place would be ${from}.${present}`
+      : `Silent: the layer T·k₂ of the implicit sign is wide enough.${present}`;
+  }
+  const widest = Math.max(...joints.map((/** @type {any} */ {layer}) => layer));
+  return loud
+    ? `${many} at this ε; it is ${from}.${present}`
+    : `Silent: ε = ${threeDigits(widest)} rad/s is wide enough; it is ${from}.${present}`;
 }
 
-/** @param {any} one */
-function facts(one) {
-  const {kappa, frequency, crossing, alone, amplitude, locked, load} = one;
+/**
+ * @param {any} one
+ * @param {any} prediction
+ */
+function facts(one, {switching, adaptive}) {
+  const twisting = switching === 'twisting';
+  const {kappa, frequency, crossing, alone, amplitude, locked, load, layer, gain} = one;
+  const unit = twisting ? 's' : 'rad/s';
   return [
-    {name: 'κ', value: `${threeDigits(kappa)} rad/s²`, title: 'How fast its own switching torque moves S'},
+    ...(twisting ? [] : [
+      {name: 'κ', value: `${threeDigits(kappa)} rad/s²`, title: 'How fast its own switching torque moves S'},
+    ]),
+    ...(adaptive ? [{name: 'k₂', value: `${threeDigits(gain)} rad/s²`, title: 'As it was where this joint needs the widest layer'}] : []),
+    ...(switching === 'implicit' && layer ? [
+      {name: 'T·k₂', value: `${threeDigits(layer)} rad/s`, title: 'Layer of the implicit sign, of this joint alone'},
+    ] : []),
     ...(frequency === null ? [] : [
-      {name: 'crosses at', value: `${threeDigits(frequency)} Hz, ${threeDigits(crossing)} rad/s`},
+      {name: 'crosses at', value: `${threeDigits(frequency)} Hz, ${threeDigits(Math.hypot(...crossing))} ${unit}`},
     ]),
     ...(locked.length > 1 && amplitude > 0 ? [
       {name: 'alone', value: `${threeDigits(alone)} rad/s`, title: 'Amplitude if no other joint switched'},
     ] : []),
     ...(Math.abs(load) > OFTEN ? [
-      {name: 'load', value: percent(Math.abs(load)), title: 'Share of k₂ that holds the joint on its surface'},
+      {name: 'load', value: percent(Math.abs(load)), title: `Share of ${twisting ? 'z_max' : 'k₂'} that holds the joint on its surface`},
     ] : []),
   ];
 }
@@ -208,12 +236,14 @@ function facts(one) {
  *
  * @param {any} one
  * @param {number} joint
+ * @param {any} prediction
  */
-function cautions(one, joint) {
+function cautions(one, joint, {switching}) {
+  const bound = switching === 'twisting' ? 'z_max' : 'k₂';
   const said = [
     one.frequency === null && `Joint ${joint} has no limit cycle: its curve does not cross the axis.`,
     one.coarse && 'A period is a few samples: where they fall decides, within the range given.',
-    Math.abs(one.load) >= 1 && 'The load exceeds k₂: S leaves its surface, and there is no limit cycle.',
+    Math.abs(one.load) >= 1 && `The load exceeds ${bound}: S leaves its surface, and there is no limit cycle.`,
     one.limited > OFTEN && `At its torque limit for ${percent(one.limited)} of the time: it swings otherwise.`,
     one.sticking > OFTEN && `Coulomb friction takes part of the swing for ${percent(one.sticking)} of the time.`,
   ];

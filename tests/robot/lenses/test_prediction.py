@@ -18,6 +18,8 @@ from slidetune.robot.loop.simulate import simulate
 Array = np.ndarray
 
 LAG = {"lag": 0.004, "lag_order": "second"}
+FREE: dict[str, Any] = {"robot": {"coulomb_friction": 0.0}}
+"""Friction takes part of a swing while a joint turns round, which the lens says."""
 CHATTERING: list[tuple[str, str, dict[str, Any]]] = [
     ("chattering-sign", "sign", {}),
     ("chattering-sign", "sign", {"robot": LAG}),
@@ -26,6 +28,10 @@ CHATTERING: list[tuple[str, str, dict[str, Any]]] = [
     ("realistic", "RBFNN-NFTSM", {"robot": LAG}),
     ("realistic", "NFTSM", {"robot": LAG}),
     ("realistic", "RBFNN-SMC", {"robot": {"lag": 0.003, "lag_order": "second"}}),
+    ("drive-lag", "sign", FREE),
+    ("drive-lag", "implicit", FREE),
+    ("drive-lag", "tanh", {"robot": {**FREE["robot"], **LAG}}),
+    ("drive-lag", "implicit", {"robot": {**FREE["robot"], **LAG}}),
 ]
 """Shipped lanes that chatter, as they are and with drives as they are built."""
 
@@ -70,8 +76,8 @@ def test_presets_that_chatter_do_so_as_predicted(
     period = experiment.simulation.row_period
     thin = [
         joint
-        for joint, layer in zip(view.joints, view.layer, strict=True)
-        if joint.threshold is not None and layer < 0.8 * joint.threshold
+        for joint in view.joints
+        if joint.threshold is not None and joint.layer < 0.8 * joint.threshold
     ]
     assert thin
     assert all(agrees(joint, period) for joint in thin), view
@@ -83,10 +89,63 @@ def test_presets_that_chatter_do_so_as_predicted(
 def test_presets_that_are_smooth_are_predicted_to_be(preset: str, lane: str) -> None:
     view = seen(load_preset(preset), lane)
     assert view.threshold is not None
-    assert np.all(view.layer > view.threshold)
+    for joint in view.joints:
+        assert joint.layer > view.threshold
+        assert joint.amplitude == 0.0
+        assert joint.measured_frequency is None
+
+
+@pytest.mark.parametrize("robot", [{}, LAG])
+def test_super_twisting_behind_drives_swings_as_predicted(robot: dict[str, Any]) -> None:
+    experiment = load_preset("drive-lag").patched({"robot": {**FREE["robot"], **robot}})
+    view = seen(experiment, "super-twisting")
+    assert view.switching == "twisting"
+    assert view.threshold is None
+    assert view.epsilon is None
+    assert all(agrees(joint, 0.001) for joint in view.joints), view
+    for joint in view.joints:
+        amplitudes, real, imaginary = joint.line
+        assert joint.crossing is not None
+        assert np.all(np.diff(amplitudes) > 0.0)
+        # The dots pass through the point where they meet the curve.
+        off = np.hypot(real - joint.crossing[0], imaginary - joint.crossing[1])
+        assert off.min() < 0.1 * np.hypot(*joint.crossing)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_drawn_super_twisting_swings_as_predicted(seed: int) -> None:
+    random = np.random.default_rng(100 + seed)
+    bound = float(random.uniform(30.0, 300.0))
+    lane = {
+        "law": "super_twisting",
+        "k1": 1.5 * bound**0.5 * float(random.uniform(0.7, 1.5)),
+        "k2": 1.1 * bound * float(random.uniform(0.5, 1.5)),
+        "lambda_": float(random.uniform(3.0, 15.0)),
+    }
+    document = drawn(seed).document()
+    document["lanes"] = {"A": lane}
+    experiment = Experiment.from_document(document)
+    view = seen(experiment, "A")
+    assert all(agrees(joint, experiment.simulation.row_period) for joint in view.joints), view
+
+
+def test_an_implicit_sign_without_delay_is_predicted_to_be_silent() -> None:
+    """And with one period of it, joints that swing do so at the sixth of the control rate."""
+    patch = {"robot": {"lag": 0.0}, "simulation": {"input_delay": 0.0, "horizon": 4.0}}
+    view = seen(load_preset("drive-lag").patched(patch), "implicit")
     for joint in view.joints:
         assert joint.amplitude == 0.0
         assert joint.measured_frequency is None
+    late = load_preset("drive-lag").patched({**patch, "simulation": {"horizon": 4.0}})
+    for joint in seen(late, "implicit").joints:
+        assert joint.frequency == pytest.approx(1000.0 / 6.0, rel=0.02)
+        if joint.measured_frequency is not None:
+            assert joint.measured_frequency == pytest.approx(joint.frequency, rel=0.1)
+
+
+def test_an_observer_carries_the_load() -> None:
+    view = seen(load_preset("drive-lag"), "observer")
+    assert all(joint.load == 0.0 for joint in view.joints)
 
 
 def drawn(seed: int) -> Experiment:

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.margins.describing_function import describing_function
 from slidetune.robot.margins.harmonic_balance import limit_cycles
 from slidetune.robot.margins.switching_loop import SwitchingLoop
+from slidetune.robot.margins.switching_term import SwitchingTerm
 from tests.robot.margins.scalar_loop import Scalar, run, swing
 
 Array = np.ndarray
 
 ONE = np.array([1e-3])
+SIGN = SwitchingTerm.within("sign", np.ones(JOINTS))
 CASES = [
     Scalar(2.0, 0.001, lag=0.002, lags=2),
     Scalar(2.0, 0.001, lag=0.004, lags=2),
@@ -62,24 +62,10 @@ def six(loop: Scalar, coupling: float = 0.0) -> SwitchingLoop:
     )
 
 
-@pytest.mark.parametrize("switching", ["tanh", "saturation", "sign"])
-def test_describing_function_is_its_integral(switching: str) -> None:
-    function = {"tanh": np.tanh, "saturation": lambda x: np.clip(x, -1.0, 1.0), "sign": np.sign}
-    amplitude, layer = np.array([1e-6, 0.02, 0.3, 5.0]), np.array([0.1, 0.1, 0.2, 0.01])
-    found = describing_function(switching, amplitude, layer)
-    for A, epsilon, N in zip(amplitude, layer, found, strict=True):
-
-        def passed(angle: float, A: float = A, epsilon: float = epsilon) -> float:
-            return float(function[switching](A / epsilon * np.sin(angle)) * np.sin(angle))
-
-        whole, _ = quad(passed, 0.0, np.pi, points=[0.5 * np.pi], epsrel=1e-9, limit=400)
-        assert 0.5 * np.pi * A * N == pytest.approx(whole, rel=3e-3)
-
-
 def test_two_equal_lags_have_the_limit_cycle_of_the_textbook() -> None:
     lag, kappa = 0.005, 3.0
     continuous = replace(six(Scalar(kappa, 1e-5, lag, 2)), delay=0.0, hold=0.0)
-    for cycle in limit_cycles(continuous, "sign", np.ones(JOINTS)):
+    for cycle in limit_cycles(continuous, SIGN):
         assert cycle is not None
         assert cycle.omega == pytest.approx(1.0 / lag, rel=2e-3)
         # The third harmonic, a 45th of the first, is in the whole swing.
@@ -91,28 +77,50 @@ def test_two_equal_lags_have_the_limit_cycle_of_the_textbook() -> None:
 def test_a_loop_that_never_turns_by_half_a_circle_has_no_limit_cycle(count: int) -> None:
     loop = Scalar(3.0, 1e-5, 0.005 * count, 1)
     continuous = replace(six(loop), delay=0.0, hold=0.0)
-    assert limit_cycles(continuous, "sign", np.ones(JOINTS)) == (None,) * JOINTS
+    assert limit_cycles(continuous, SIGN) == (None,) * JOINTS
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_sign_swings_as_fast_and_as_far_as_predicted(case: Scalar) -> None:
     frequency, amplitude = swing(run(case, np.sign, 3.0, ONE)[:, 0], case.period)
-    cycle = limit_cycles(six(case), "sign", np.ones(JOINTS))[2]
+    cycle = limit_cycles(six(case), SIGN)[2]
     assert cycle is not None
     assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
     assert cycle.amplitude == pytest.approx(amplitude, rel=0.25)
     assert cycle.slowest < 2.0 * np.pi * frequency < cycle.fastest
 
 
+@pytest.mark.parametrize(("root", "rate"), [(15.0, 110.0), (5.0, 110.0), (30.0, 50.0)])
+@pytest.mark.parametrize("case", CASES)
+def test_super_twisting_swings_as_fast_and_as_far_as_predicted(
+    case: Scalar, root: float, rate: float
+) -> None:
+    unit = case._replace(kappa=1.0, disturbance=0.0)
+    z = np.zeros(1)
+
+    def twist(S: Array) -> Array:
+        torque = root * np.sqrt(np.abs(S)) * np.sign(S) + z
+        z[:] += unit.period * rate * np.sign(S)
+        return np.asarray(torque)
+
+    S = run(unit, twist, 6.0, ONE)[:, 0]
+    frequency, _ = swing(S, unit.period)
+    gains = (np.full(JOINTS, gain) for gain in (root, rate))
+    cycle = limit_cycles(six(unit), SwitchingTerm("twisting", np.ones(JOINTS), *gains))[3]
+    assert cycle is not None
+    assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
+    assert cycle.amplitude == pytest.approx(0.5 * np.ptp(S[len(S) // 2 :]), rel=0.25)
+
+
 @pytest.mark.parametrize("share", [0.3, 0.6])
 @pytest.mark.parametrize("case", CASES)
 def test_tanh_within_a_thin_layer_swings_as_predicted(case: Scalar, share: float) -> None:
-    silent = limit_cycles(six(case), "sign", np.ones(JOINTS))[0]
+    silent = limit_cycles(six(case), SIGN)[0]
     assert silent is not None
     layer = share * silent.crossing
     S = run(case, lambda S: np.tanh(S / layer), 3.0, ONE)[:, 0]
     frequency, amplitude = swing(S, case.period)
-    cycle = limit_cycles(six(case), "tanh", np.full(JOINTS, layer))[0]
+    cycle = limit_cycles(six(case), SwitchingTerm.within("tanh", np.full(JOINTS, layer)))[0]
     assert cycle is not None
     assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
     assert cycle.amplitude == pytest.approx(amplitude, rel=0.25)
@@ -121,7 +129,7 @@ def test_tanh_within_a_thin_layer_swings_as_predicted(case: Scalar, share: float
 @pytest.mark.parametrize("case", CASES)
 def test_the_crossing_is_where_tanh_falls_silent(case: Scalar) -> None:
     calm = case._replace(disturbance=0.0)
-    cycle = limit_cycles(six(calm), "tanh", np.ones(JOINTS))[0]
+    cycle = limit_cycles(six(calm), SwitchingTerm.within("tanh", np.ones(JOINTS)))[0]
     assert cycle is not None
 
     layers = cycle.crossing * np.array([0.5, 0.7, 0.8, 0.9, 1.1, 1.2, 1.5])
@@ -132,10 +140,12 @@ def test_the_crossing_is_where_tanh_falls_silent(case: Scalar) -> None:
 
 def test_a_layer_wider_than_the_crossing_is_silent() -> None:
     loop = six(CASES[1])
-    crossing = limit_cycles(loop, "sign", np.ones(JOINTS))[0].crossing  # type: ignore[union-attr]
+    crossing = limit_cycles(loop, SIGN)[0].crossing  # type: ignore[union-attr]
     for switching in ("tanh", "saturation"):
         wide, thin = (
-            limit_cycles(loop, switching, np.full(JOINTS, share * crossing))[0]
+            limit_cycles(loop, SwitchingTerm.within(switching, np.full(JOINTS, share * crossing)))[
+                0
+            ]
             for share in (1.1, 0.8)
         )
         assert wide is not None
@@ -146,7 +156,7 @@ def test_a_layer_wider_than_the_crossing_is_silent() -> None:
 
 @pytest.mark.parametrize("coupling", [-0.5, 0.5])
 def test_joints_that_act_on_each_other_swing_farther_together(coupling: float) -> None:
-    cycles = limit_cycles(six(CASES[1], coupling), "sign", np.ones(JOINTS))
+    cycles = limit_cycles(six(CASES[1], coupling), SIGN)
     first, third = cycles[0], cycles[2]
     assert first is not None
     assert third is not None
@@ -160,7 +170,7 @@ def test_joints_that_act_on_each_other_swing_farther_together(coupling: float) -
 def test_a_load_makes_the_swing_smaller_and_leaves_its_frequency() -> None:
     free = six(CASES[1])
     loaded = replace(free, load=np.full(JOINTS, 0.5))
-    one, other = (limit_cycles(loop, "sign", np.ones(JOINTS))[0] for loop in (free, loaded))
+    one, other = (limit_cycles(loop, SIGN)[0] for loop in (free, loaded))
     assert one is not None
     assert other is not None
     assert other.omega == one.omega
@@ -169,7 +179,7 @@ def test_a_load_makes_the_swing_smaller_and_leaves_its_frequency() -> None:
 
 def test_the_curve_crosses_the_axis_where_the_limit_cycle_is() -> None:
     loop = six(CASES[1], 0.5)
-    for joint, cycle in enumerate(limit_cycles(loop, "sign", np.ones(JOINTS))):
+    for joint, cycle in enumerate(limit_cycles(loop, SIGN)):
         assert cycle is not None
         (point,) = cycle.curve(loop, joint, np.array([cycle.omega]))
         assert point.real == pytest.approx(-cycle.crossing, rel=1e-3)

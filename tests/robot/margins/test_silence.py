@@ -12,8 +12,10 @@ from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.margins.harmonic_balance import limit_cycles
+from slidetune.robot.margins.plain_lane import switches
 from slidetune.robot.margins.silence import silent_layer
-from slidetune.robot.margins.switching_loop import switches, switching_loop
+from slidetune.robot.margins.switching_loop import switching_loop
+from slidetune.robot.margins.switching_term import SwitchingTerm
 
 Array = np.ndarray
 
@@ -98,7 +100,9 @@ def test_a_layer_for_each_joint_is_silent_from_its_threshold_on(
 ) -> None:
     one = experiment(robot, simulation, lane)
     packed = pack(one)
-    cycles = limit_cycles(switching_loop(packed, "A", 0.0), "sign", np.ones(JOINTS))
+    cycles = limit_cycles(
+        switching_loop(packed, "A", 0.0), SwitchingTerm.within("sign", np.ones(JOINTS))
+    )
     crossings = np.array([cycle.crossing for cycle in cycles if cycle is not None])
     layers = np.empty(JOINTS)
     for group in {cycle.locked for cycle in cycles if cycle is not None}:
