@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.advice.adapted_gain import adapted_gain
 from slidetune.robot.advice.remark import Advice, short
 from slidetune.robot.advice.sampling import implicit, sampled_arm_instead, sampling, sign
 from slidetune.robot.advice.torque_need import initial_torque, required_torque, start
@@ -249,6 +250,7 @@ def advice_on(packed: Packed, name: str) -> list[Advice]:
         sampled_arm_instead,
         sign,
         implicit,
+        adapted_gain,
         _convergence,
         _motion,
         _start,

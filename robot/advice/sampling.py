@@ -129,10 +129,13 @@ def sign(packed: Packed, name: str) -> Iterator[Advice]:
             return
         change["epsilon"] = layer
     width = span(change.get("epsilon", lane.epsilon))
+    jump = f"the torque jump by 2k₂ = {short(2.0 * np.max(lane.k2))} N·m"
+    if getattr(lane, "inertia_shaped", False):
+        jump = f"the acceleration asked for jump by 2k₂ = {short(2.0 * np.max(lane.k2))} rad/s²"
     yield Advice(
         "info",
         field_path(("lanes", name, "switching")),
-        f"sign(S) makes the torque jump by 2k₂ = {short(2.0 * np.max(lane.k2))} N·m up to "
+        f"sign(S) makes {jump} up to "
         f"{simulation.control_rate:g} times per second: it chatters. tanh with ε = {width} rad/s "
         "is smooth at this rate.",
         {"lanes": {name: change}},
