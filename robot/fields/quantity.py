@@ -106,6 +106,15 @@ def _point(value: object) -> tuple[float, ...]:
     return vector
 
 
+def _range(value: object) -> tuple[float, ...] | None:
+    if value is None:
+        return None
+    vector = _vector(value, 2)
+    if vector is None:
+        raise ValueError("must be a list of 2 numbers, the least and the greatest, or null")
+    return vector
+
+
 def _number(value: object) -> float:
     number = _real(value)
     if number is None:
@@ -162,6 +171,21 @@ Point = Annotated[
     PlainSerializer(_plain),
     WithJsonSchema({"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}),
 ]
+
+Range = Annotated[
+    tuple[float, ...] | None,
+    PlainValidator(_range),
+    PlainSerializer(_plain),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
+                {"type": "null"},
+            ]
+        }
+    ),
+]
+"""The least and the greatest value, or ``None`` for none at all."""
 
 
 def field(
