@@ -36,7 +36,7 @@ def placed(experiment: Experiment, share: Array) -> Experiment:
     """
     patch: dict[str, Any] = {}
     for name, value in values_at(experiment.uncertainty, share).items():
-        _merge(patch, _CHANGES[name](experiment, value))
+        merge(patch, _CHANGES[name](experiment, value))
     return experiment.patched(patch) if patch else experiment
 
 
@@ -50,10 +50,11 @@ def values_at(uncertainty: Uncertainty, share: Array) -> dict[str, float]:
     return found
 
 
-def _merge(patch: dict[str, Any], more: dict[str, Any]) -> None:
+def merge(patch: dict[str, Any], more: dict[str, Any]) -> None:
+    """Put another merge patch into one, both of which set values only."""
     for key, value in more.items():
         if isinstance(value, dict):
-            _merge(patch.setdefault(key, {}), value)
+            merge(patch.setdefault(key, {}), value)
         else:
             patch[key] = value
 

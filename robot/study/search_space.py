@@ -43,6 +43,12 @@ class Dimension:
     logarithmic: bool
     present: float
 
+    def rounded(self, value: float) -> float:
+        """Return a value of four digits within the range; the present one stays as it is."""
+        if value == self.present:
+            return value
+        return min(max(_legible(value), self.low), self.high)
+
 
 def search_space(experiment: Experiment, tuning: Tuning) -> list[Dimension]:
     """Return what a search turns.
@@ -65,12 +71,20 @@ def patch_of(lane: str, space: list[Dimension], values: Mapping[str, float]) -> 
     """Return the merge patch that sets every dimension to its value."""
     gains: dict[str, Any] = {}
     for one in space:
+        value = values[one.name]
         if one.joint:
             whole = np.broadcast_to(np.asarray(one.knob.value, dtype=float), JOINTS).tolist()
-            gains.setdefault(one.knob.field, whole)[one.joint - 1] = values[one.name]
-        else:
-            gains[one.knob.field] = one.knob.at_all(values[one.name])
+            gains.setdefault(one.knob.field, whole)[one.joint - 1] = value
+        elif value != one.present:
+            turned = np.asarray(one.knob.at_all(value))
+            each = [_legible(share) for share in turned.ravel().tolist()]
+            gains[one.knob.field] = each if turned.ndim else each[0]
     return {"lanes": {lane: gains}}
+
+
+def _legible(value: float) -> float:
+    """Return a number of four digits, which is what is run, shown and written."""
+    return float(f"{value:.4g}")
 
 
 def _acts(experiment: Experiment, lane: str, name: str) -> bool:

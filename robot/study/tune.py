@@ -142,7 +142,10 @@ class _Search:
         for first in range(0, self._tuning.trials, BATCH):
             count = min(BATCH, self._tuning.trials - first)
             asked = [self._study.ask(self._range) for _ in range(count)]
-            values = [{one.name: trial.params[one.name] for one in self._space} for trial in asked]
+            values = [
+                {one.name: one.rounded(trial.params[one.name]) for one in self._space}
+                for trial in asked
+            ]
             batch = self._batch(first, values, stored)
             for trial, made in zip(asked, batch, strict=True):
                 self._tell(trial, made)
