@@ -206,6 +206,7 @@ def field(
     applies: str = "",
     needs: dict[str, tuple[str, ...]] | None = None,
     weight: Weight | None = None,
+    usual: tuple[float, ...] | None = None,
     source: Source = "ours",
 ) -> Any:
     """Describe one value of an experiment, once, for the schema, the slider and the validation.
@@ -228,6 +229,7 @@ def field(
         needs: by the name of a choice in the same section, the options under which it acts; it
             has no effect under the others.
         weight: the field in the same section that weights the term of which this is a part.
+        usual: value that a field is switched on with, where it is off by default.
         source: where the default comes from.
 
     Returns:
@@ -245,6 +247,7 @@ def field(
         "applies": applies,
         "needs": needs,
         "weight": weight,
+        "usual": usual,
         "source": source,
         "minimum": low,
         "maximum": high,

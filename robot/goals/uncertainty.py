@@ -20,6 +20,7 @@ class Uncertainty(Section):
 
     payload: Range = field(
         None,
+        usual=(0.0, 2.0),
         title="Payload",
         symbol="m",
         unit="kg",
@@ -31,6 +32,7 @@ class Uncertainty(Section):
     )
     inertia: Range = field(
         None,
+        usual=(0.8, 1.2),
         title="Masses and inertias",
         low=0.2,
         high=5.0,
@@ -39,30 +41,35 @@ class Uncertainty(Section):
     )
     viscous_friction: Range = field(
         None,
+        usual=(0.5, 1.5),
         title="Viscous friction",
         meaning="Factor on the viscous friction of every joint.",
         **_FACTOR,
     )
     coulomb_friction: Range = field(
         None,
+        usual=(0.5, 1.5),
         title="Coulomb friction",
         meaning="Factor on the Coulomb friction of every joint.",
         **_FACTOR,
     )
     disturbance: Range = field(
         None,
+        usual=(0.5, 1.5),
         title="Disturbance",
         meaning="Factor on every disturbance torque: constant, sine, pulse and noise.",
         **_FACTOR,
     )
     sensor_noise: Range = field(
         None,
+        usual=(0.0, 2.0),
         title="Sensor noise",
         meaning="Factor on the noise of angles and velocities.",
         **_FACTOR,
     )
     input_delay: Range = field(
         None,
+        usual=(0.0, 0.002),
         title="Input delay",
         unit="s",
         low=0.0,
@@ -73,6 +80,7 @@ class Uncertainty(Section):
     )
     lag: Range = field(
         None,
+        usual=(0.0, 0.004),
         title="Lag of the drives",
         symbol="τ_lag",
         unit="s",
