@@ -108,6 +108,10 @@ class Lenses {
     this.#api.addEventListener('joint', (event) => {
       if (this.#awake) this.#chooseJoint(/** @type {CustomEvent} */ (event).detail);
     });
+    this.#api.addEventListener('show', (event) => {
+      const {lens} = /** @type {CustomEvent} */ (event).detail;
+      if (lens) this.#choose(lens);
+    });
     document.addEventListener('visibilitychange', () => this.#refresh());
     new ResizeObserver(([{contentRect}]) => {
       this.#visible = contentRect.width > 0 && contentRect.height > 0;
