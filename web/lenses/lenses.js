@@ -3,7 +3,7 @@
 
 import {element} from '../dom/element.js';
 import {ChatteringLens} from './chattering.js';
-import {keyOf} from './key.js';
+import {keyOf} from '../fields/response_key.js';
 import {NetworkLens} from './network.js';
 import {PredictionLens} from './prediction.js';
 import {SlidingLens} from './sliding.js';
