@@ -1,4 +1,4 @@
-"""Commands: serve, run, paper, bench."""
+"""Commands: serve, run, paper, bench; tune, robustness, sweep."""
 
 from __future__ import annotations
 
@@ -7,8 +7,18 @@ import sys
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.text import Text
+
+from slidetune.server.cli_options import (
+    CsvOption,
+    JsonOption,
+    PageOption,
+    PresetArgument,
+    PresetOption,
+    console,
+    output,
+)
+from slidetune.server.study_commands import robustness, sweep, tune
 
 # Everything that is slow to import waits for the command that needs it.
 
@@ -23,8 +33,6 @@ cli = typer.Typer(
     no_args_is_help=False,
     pretty_exceptions_enable=False,
 )
-console = Console(stderr=True, highlight=False)
-
 HostOption = Annotated[
     str,
     typer.Option(help="Address to bind to; 0.0.0.0 for all. Any but loopback requires a token."),
@@ -35,17 +43,6 @@ TokenOption = Annotated[
 ]
 Port = Annotated[
     int, typer.Option(min=0, max=65535, help="Port; the next free one if it is taken.")
-]
-PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
-PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML file.")]
-JsonOption = Annotated[
-    str, typer.Option("--json", metavar="FILE", help="Write JSON; - for standard output.")
-]
-CsvOption = Annotated[
-    str, typer.Option("--csv", metavar="FILE", help="Write all columns; - for standard output.")
-]
-PageOption = Annotated[
-    str, typer.Option("--html", metavar="FILE", help="Write a page of figures; works offline.")
 ]
 
 
@@ -124,7 +121,7 @@ def run(
     if html:
         write_output(html, [run_page(result)])
     if "-" not in (json, csv, html):
-        print_report(document, _output())
+        print_report(document, output())
     if any(lane.freeze for lane in result.lanes.values()):
         raise typer.Exit(DIVERGED)
 
@@ -142,7 +139,7 @@ def paper(html: PageOption = "") -> None:
     if html:
         write_output(html, [paper_page(runs)])
     if html != "-":
-        print_comparison(runs, _output())
+        print_comparison(runs, output())
 
 
 @cli.command()
@@ -164,13 +161,11 @@ def bench(
     if json:
         write_output(json, [bench_text(results), "\n"])
     if json != "-":
-        print_bench(results, _output())
+        print_bench(results, output())
 
 
-def _output() -> Console:
-    """Return standard output; wide where no screen limits it, so that no table is broken."""
-    output = Console(highlight=False)
-    return output if output.is_terminal else Console(highlight=False, width=160)
+for command in (tune, robustness, sweep):
+    cli.command()(command)
 
 
 def _tell(error: Exception) -> None:

@@ -17,6 +17,8 @@ from slidetune.robot.experiment.merge_patch import merge_patch
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import Section
 from slidetune.robot.fields.refusal import field_errors
+from slidetune.robot.goals.section import MOST_GOALS, AnyGoal
+from slidetune.robot.goals.uncertainty import Uncertainty
 from slidetune.robot.laws import LAWS
 from slidetune.robot.motion.trajectory import SineTrajectory, Trajectory
 
@@ -26,22 +28,32 @@ MAX_LANES = 6
 
 LONGEST_LANE_NAME = 40
 
-_LANE_NAME = re.compile(rf"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{{1,{LONGEST_LANE_NAME}}}")
+_NAME = re.compile(rf"[^\x00-\x1f\x7f/\\<>\ud800-\udfff]{{1,{LONGEST_LANE_NAME}}}")
 
 
 def _lane_name(name: str) -> str:
+    return _checked_name(name, "lane")
+
+
+def _goal_name(name: str) -> str:
+    return _checked_name(name, "goal")
+
+
+def _checked_name(name: str, whose: str) -> str:
     if name == "__proto__":
-        # In a browser no object can hold it: an edit of this lane could not be undone.
-        raise ValueError("__proto__ is not allowed as a lane's name: it is reserved in JavaScript")
-    if not _LANE_NAME.fullmatch(name) or name != name.strip():
+        # In a browser no object can hold it: an edit of it could not be undone.
+        text = f"__proto__ is not allowed as a {whose}'s name: it is reserved in JavaScript"
+        raise ValueError(text)
+    if not _NAME.fullmatch(name) or name != name.strip():
         raise ValueError(
-            f"a lane's name has 1 to {LONGEST_LANE_NAME} characters, without / \\ < > and without "
-            "blanks at its ends"
+            f"a {whose}'s name has 1 to {LONGEST_LANE_NAME} characters, without / \\ < > and "
+            "without blanks at its ends"
         )
     return name
 
 
 LaneName = Annotated[str, AfterValidator(_lane_name)]
+GoalName = Annotated[str, AfterValidator(_goal_name)]
 if TYPE_CHECKING:
     Lane = Any  # any of the laws' gains: which ones there are is known when the program runs
 else:
@@ -67,11 +79,19 @@ class Experiment(Section):
     trajectory: Trajectory = SineTrajectory()
     disturbance: Disturbance = Disturbance()
     simulation: Simulation = Simulation()
+    goals: dict[GoalName, AnyGoal] = Field(
+        default_factory=dict,
+        max_length=MOST_GOALS,
+        title="Goals",
+        description="Bounds by name that every lane is held to.",
+    )
+    uncertainty: Uncertainty = Uncertainty()
 
     def __hash__(self) -> int:
         """Agree with ``==``, which takes no notice of the lanes' order."""
         sections = (self.robot, self.trajectory, self.disturbance, self.simulation)
-        return hash((self.title, self.description, frozenset(self.lanes.items()), *sections))
+        named = frozenset(self.lanes.items()), frozenset(self.goals.items())
+        return hash((self.title, self.description, *named, *sections, self.uncertainty))
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any]) -> Experiment:

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError, unknown_lane
 from slidetune.robot.fields.plain_values import UnfitError, plain_values
+from slidetune.robot.goals.section import GOALS
 from slidetune.robot.laws import LAWS
 from slidetune.robot.motion.trajectory import (
     CircleTrajectory,
@@ -116,6 +117,14 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
             for name, lane in lanes.items()
         }
         merged["lanes"] = _renamed_in_place(before, fitted)
+    goals, changes = merged.get("goals"), patch.get("goals")
+    if isinstance(goals, dict) and isinstance(changes, Mapping):
+        before = document.get("goals", {})
+        fitted = {
+            name: _fitting(before.get(name), goal, changes.get(name) or {}, "kind", GOALS)
+            for name, goal in goals.items()
+        }
+        merged["goals"] = _renamed_in_place(before, fitted)
     if isinstance(patch.get("trajectory"), Mapping):
         merged["trajectory"] = _fitting(
             document["trajectory"], merged["trajectory"], patch["trajectory"], "kind", _TRAJECTORIES

@@ -27,6 +27,8 @@ A value per joint is one number for all six or a list of six. A line that is lef
 default; an unknown one is refused with its line number.
 """
 _GROUPS = ("Tag", "", "Sliding surface", "Reaching", "RBF network")
+_WHERE_GIVEN = ("goals", "uncertainty")
+"""Sections that are written only where they say something."""
 _PROPER_NAMES = ("Coulomb",)
 
 
@@ -84,6 +86,8 @@ def _section(section: Section, level: int) -> CommentedMap:
     mapping, heading = CommentedMap(), ""
     for name in sorted(fields, key=lambda name: _place(name, fields[name])):
         info, value = fields[name], getattr(section, name)
+        if name in _WHERE_GIVEN and value == info.get_default(call_default_factory=True):
+            continue
         mapping[name] = _plain(name, value, level)
         title = _heading(info, value) if level == 0 else str(_extra(info).get("group", ""))
         if title and title != heading:

@@ -106,6 +106,15 @@ def _point(value: object) -> tuple[float, ...]:
     return vector
 
 
+def _range(value: object) -> tuple[float, ...] | None:
+    if value is None:
+        return None
+    vector = _vector(value, 2)
+    if vector is None:
+        raise ValueError("must be a list of 2 numbers, the least and the greatest, or null")
+    return vector
+
+
 def _number(value: object) -> float:
     number = _real(value)
     if number is None:
@@ -163,6 +172,21 @@ Point = Annotated[
     WithJsonSchema({"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}),
 ]
 
+Range = Annotated[
+    tuple[float, ...] | None,
+    PlainValidator(_range),
+    PlainSerializer(_plain),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
+                {"type": "null"},
+            ]
+        }
+    ),
+]
+"""The least and the greatest value, or ``None`` for none at all."""
+
 
 def field(
     default: Any,
@@ -182,6 +206,7 @@ def field(
     applies: str = "",
     needs: dict[str, tuple[str, ...]] | None = None,
     weight: Weight | None = None,
+    usual: tuple[float, ...] | None = None,
     source: Source = "ours",
 ) -> Any:
     """Describe one value of an experiment, once, for the schema, the slider and the validation.
@@ -204,6 +229,7 @@ def field(
         needs: by the name of a choice in the same section, the options under which it acts; it
             has no effect under the others.
         weight: the field in the same section that weights the term of which this is a part.
+        usual: value that a field is switched on with, where it is off by default.
         source: where the default comes from.
 
     Returns:
@@ -221,6 +247,7 @@ def field(
         "applies": applies,
         "needs": needs,
         "weight": weight,
+        "usual": usual,
         "source": source,
         "minimum": low,
         "maximum": high,

@@ -12,6 +12,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.loop.verdict import judge_goals
 
 Array = np.ndarray
 
@@ -41,6 +42,7 @@ class Response:
         metrics: figures of the whole run, as plain JSON values.
         frozen: when, which joint and why it left its bounds, or ``None``.
         accuracy: how good all of this is, as plain JSON values; see ``Accuracy``.
+        goals: how it keeps to the experiment's goals, as plain JSON values; see ``Verdict``.
     """
 
     time: Array
@@ -49,6 +51,7 @@ class Response:
     metrics: dict[str, Any]
     frozen: dict[str, Any] | None
     accuracy: dict[str, Any]
+    goals: dict[str, Any]
 
 
 def only_lane(experiment: Experiment, lane: str) -> Experiment:
@@ -131,6 +134,7 @@ def lane_response(
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)
     figures, accuracy = result.metrics.document(), result.accuracy.document()
+    goals = judge_goals(experiment.goals, result).document()
     # A copy: a view would keep every row of the run as long as the response is kept.
     path = finite[::stride].copy()
-    return Response(time, columns, path, figures, frozen, accuracy)
+    return Response(time, columns, path, figures, frozen, accuracy, goals)

@@ -40,6 +40,7 @@ def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> by
                 "metrics": response.metrics,
                 "frozen": response.frozen,
                 "accuracy": response.accuracy,
+                "goals": response.goals,
             }
         )
         table = np.vstack([response.time, response.columns])

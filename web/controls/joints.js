@@ -9,6 +9,10 @@ import {greatest, scaled} from '../fields/shares.js';
 
 /** @typedef {import('../fields/schema.js').Field} Field */
 
+/** What the values of a list of that length are called, and what each of them is. */
+const NAMES = /** @type {{[length: number]: string[]}} */ ({2: ['from', 'to'], 3: ['x', 'y', 'z']});
+const PARTS = /** @type {{[length: number]: string}} */ ({2: 'end', 3: 'coordinate'});
+
 /**
  * A field that is a list, or may be one. Off (null) is a switch where it is allowed.
  */
@@ -31,7 +35,7 @@ export class JointsControl extends Control {
    */
   constructor(field, context) {
     super(field, context);
-    const names = field.length === 3 ? ['x', 'y', 'z'] : numbered(field.length);
+    const names = NAMES[field.length] ?? numbered(field.length);
     this.#all = this.#pair(this.name, (value) => (
       this.#shares ? scaled(this.#shares, value, this.field) : value
     ), this.id);
@@ -43,7 +47,7 @@ export class JointsControl extends Control {
     }, 'Set all equal');
     this.#switch = element('input', {
       type: 'checkbox', role: 'switch', class: 'switch', 'aria-label': `${this.name}, on`,
-      on: {change: () => this.set(this.#switch.checked ? this.#on ?? field.maximum : null)},
+      on: {change: () => this.set(this.#switch.checked ? this.#on ?? field.usual ?? field.maximum : null)},
     });
     const list = element('div', {class: 'joint-list', role: 'group', 'aria-label': this.name});
     this.#each.forEach((pair, index) => list.append(row(names[index], index, pair)));
@@ -111,7 +115,7 @@ export class JointsControl extends Control {
     if (off) this.#open(false);
   }
 
-  get #part() { return this.field.length === 3 ? 'coordinate' : 'joint'; }
+  get #part() { return PARTS[this.field.length] ?? 'joint'; }
 
   /**
    * @param {string} name

@@ -34,6 +34,7 @@
  * @property {number} length of a vector or of the values per joint
  * @property {any[]} options
  * @property {any} default
+ * @property {any} usual what it is switched on with, or null
  */
 /**
  * A heading with what stands below it. A union shows the fields of its chosen variant.
@@ -208,6 +209,7 @@ function field(path, node, shapes) {
     length: list?.maxItems ?? 1,
     options,
     default: node.default,
+    usual: node.usual ?? null,
   };
 }
 

@@ -36,7 +36,13 @@ LANE_NAMES = st.from_regex(r"[^\x00-\x1f\x7f/\\<>]{1,40}", fullmatch=True).filte
     lambda name: name == name.strip()
 )
 SAMPLE = experiment_to_yaml(
-    Experiment().patched({"lanes": {"Second lane": {"law": "nftsm", "k1": [1, 2, 3, 4, 5, 6]}}})
+    Experiment().patched(
+        {
+            "lanes": {"Second lane": {"law": "nftsm", "k1": [1, 2, 3, 4, 5, 6]}},
+            "goals": {"quiet": {"kind": "figure", "figure": "chattering", "bound": 200.0}},
+            "uncertainty": {"payload": [0.0, 3.0]},
+        }
+    )
 )
 
 

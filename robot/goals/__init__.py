@@ -1,0 +1,1 @@
+"""What a response has to keep to, and over which unknowns."""

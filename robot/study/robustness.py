@@ -1,0 +1,176 @@
+"""How a lane does where the world is not what it was taken for: many draws, and the worst found."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import optuna
+from optuna.distributions import BaseDistribution, FloatDistribution
+from optuna.samplers import CmaEsSampler
+
+from slidetune.robot.errors import InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.response import only_lane
+from slidetune.robot.study.draws import QUANTITIES, placed, unit_draw, values_at
+from slidetune.robot.study.outcome import Outcome, outcome
+from slidetune.robot.study.tuning import unfounded_draws
+
+Array = np.ndarray
+
+TASK = 4
+"""Draws that one task makes (*ours*): 50 ms of runs or more."""
+BATCH = 8
+"""Places that a search for the worst asks for at once (*ours*)."""
+MOST_CORNERS = 16
+"""Corners that such a search begins with at most (*ours*)."""
+QUANTILES = {"p5": 0.05, "median": 0.5, "p95": 0.95, "worst": 1.0}
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One draw and what came of it.
+
+    Attributes:
+        index: which draw, from 0; of a search for the worst which trial.
+        share: where it lies within the range of each of ``QUANTITIES``, 0 to 1.
+        values: what each uncertain quantity was, by name.
+        outcome: what came of it.
+    """
+
+    index: int
+    share: tuple[float, ...]
+    values: dict[str, float]
+    outcome: Outcome
+
+    def document(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+def at_places(
+    experiment: Experiment, lane: str, places: Sequence[tuple[float, ...]]
+) -> list[Outcome]:
+    """Return the outcomes of a lane at places within the uncertain ranges: one task of a study."""
+    return [outcome(placed(experiment, np.array(place)), lane) for place in places]
+
+
+def _check(experiment: Experiment, lane: str, count: int) -> None:
+    experiment.lane(lane)
+    if refused := unfounded_draws(experiment, max(count, 1)):
+        raise InvalidExperimentError(refused)
+
+
+def _draw(experiment: Experiment, index: int, place: tuple[float, ...], made: Outcome) -> Draw:
+    return Draw(index, place, values_at(experiment.uncertainty, np.array(place)), made)
+
+
+def robustness(experiment: Experiment, lane: str, count: int, executor: Executor) -> Iterator[Draw]:
+    """Run a lane at that many draws; yield them in their order.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane, or nothing is uncertain.
+    """
+    _check(experiment, lane, count)
+    alone = only_lane(experiment, lane)
+    seed = experiment.uncertainty.seed
+    places = [tuple(unit_draw(seed, index).tolist()) for index in range(count)]
+
+    def draws() -> Iterator[Draw]:
+        starts = range(0, count, TASK)
+        tasks = [
+            executor.submit(at_places, alone, lane, places[start : start + TASK])
+            for start in starts
+        ]
+        try:
+            for start, task in zip(starts, tasks, strict=True):
+                for index, made in enumerate(task.result(), start):
+                    yield _draw(experiment, index, places[index], made)
+        finally:
+            for task in tasks:
+                task.cancel()
+
+    return draws()
+
+
+def worst_case(
+    experiment: Experiment, lane: str, trials: int, executor: Executor, seed: int = 1
+) -> Iterator[Draw]:
+    """Search for the worst place within the uncertain ranges; yield what was tried.
+
+    First corners of the box that the ranges are, where it often is, then by CMA-ES. The worst that
+    it yields is the worst found: no proof that there is none worse.
+
+    Args:
+        experiment: whose ranges count.
+        lane: which lane.
+        trials: how many places are tried.
+        executor: where the runs are made.
+        seed: the same one gives the same places.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane, or nothing is uncertain.
+    """
+    _check(experiment, lane, trials)
+    alone, uncertain = only_lane(experiment, lane), experiment.uncertainty.uncertain
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+        sampler = CmaEsSampler(seed=seed, warn_independent_sampling=False)
+    study = optuna.create_study(direction="maximize", sampler=sampler)
+    for corner in _corners(uncertain, min(MOST_CORNERS, trials // 2), seed):
+        study.enqueue_trial(corner)
+    ranges: dict[str, BaseDistribution] = {name: FloatDistribution(0.0, 1.0) for name in uncertain}
+
+    def places() -> Iterator[Draw]:
+        for first in range(0, trials, BATCH):
+            asked = [study.ask(ranges) for _ in range(min(BATCH, trials - first))]
+            chosen = [
+                tuple(float(trial.params.get(name, 0.5)) for name in QUANTITIES) for trial in asked
+            ]
+            tasks = [executor.submit(at_places, alone, lane, [place]) for place in chosen]
+            made = [task.result()[0] for task in tasks]
+            for trial, one in zip(asked, made, strict=True):
+                study.tell(trial, one.cost)
+            for place, one in zip(chosen, made, strict=True):
+                yield _draw(experiment, first, place, one)
+                first += 1
+
+    return places()
+
+
+def _corners(names: Sequence[str], count: int, seed: int) -> list[dict[str, float]]:
+    """Return corners of a box: all of them, or as many drawn ones where there are more."""
+    total = 2 ** len(names)
+    if total <= count:
+        chosen = np.arange(total)
+    else:
+        chosen = np.random.default_rng(seed).choice(total, count, replace=False)
+    return [
+        {name: float(number >> place & 1) for place, name in enumerate(names)}
+        for number in chosen.tolist()
+    ]
+
+
+def quantiles(draws: Sequence[Draw]) -> dict[str, dict[str, float | None]]:
+    """Return quantiles of every figure and of every goal's ratio over the draws.
+
+    A draw that came to no end counts as worse than any: where the quantile is one, it is ``None``.
+    """
+    found: dict[str, dict[str, float | None]] = {}
+    for kind in ("figures", "ratios"):
+        names = getattr(draws[0].outcome, kind) if draws else {}
+        for name in names:
+            values = [getattr(draw.outcome, kind)[name] for draw in draws]
+            ends = np.sort([np.inf if value is None else value for value in values])
+            found[name] = {label: _at(ends, share) for label, share in QUANTILES.items()}
+    return found
+
+
+def _at(ordered: Array, share: float) -> float | None:
+    """Return the least value that so large a share doesn't exceed."""
+    value = float(ordered[max(0, int(np.ceil(share * len(ordered))) - 1)])
+    return value if np.isfinite(value) else None

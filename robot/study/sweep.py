@@ -1,0 +1,143 @@
+"""Sweeps: every combination of the values of one or two fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.field_path import path_parts
+from slidetune.robot.loop.response import only_lane
+from slidetune.robot.study.draws import merge
+from slidetune.robot.study.knob import knob
+from slidetune.robot.study.outcome import Outcome, outcomes
+
+TASK = 4
+"""Runs of one task (*ours*): 50 ms or more."""
+MOST_POINTS = 10_000
+"""Most runs of a sweep (*ours*)."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A field and the values that it takes.
+
+    Attributes:
+        field: a gain of the lane, or the dotted path of a number elsewhere, such as "robot.lag".
+        values: what it is set to.
+    """
+
+    field: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One combination and what came of it.
+
+    Attributes:
+        values: of each axis, in their order.
+        outcome: what came of it.
+    """
+
+    values: tuple[float, ...]
+    outcome: Outcome
+
+    def document(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+def axis(field: str, low: float, high: float, count: int, logarithmic: bool) -> Axis:
+    """Return an axis of evenly spaced values, both ends included.
+
+    Raises:
+        InvalidExperimentError: if there are fewer than two, the range is empty, or a logarithmic
+            one doesn't begin above 0.
+    """
+    if count < 2:
+        raise _refusal(field, f"a sweep needs two values or more, got {count}")
+    if not low < high:
+        raise _refusal(field, f"a range goes from the least to the greatest, got {low:g}:{high:g}")
+    if logarithmic and low <= 0.0:
+        raise _refusal(field, f"a logarithmic range begins above 0, got {low:g}")
+    spaced = np.geomspace(low, high, count) if logarithmic else np.linspace(low, high, count)
+    return Axis(field, tuple(float(value) for value in spaced))
+
+
+def sweep(
+    experiment: Experiment, lane: str, axes: Sequence[Axis], executor: Executor
+) -> Iterator[Point]:
+    """Run a lane at every combination; yield them in order, the last axis the fastest.
+
+    Raises:
+        InvalidExperimentError: before anything runs: for a field that isn't there, a value that it
+            can't take, a field twice, or too many combinations.
+    """
+    experiment.lane(lane)
+    names = [one.field for one in axes]
+    if len(set(names)) < len(names):
+        raise _refusal(names[0], f"{names[0]} is swept twice")
+    if (count := int(np.prod([len(one.values) for one in axes]))) > MOST_POINTS:
+        raise _refusal(names[0], f"{count:,} runs; a sweep has at most {MOST_POINTS:,}")
+    for one in axes:
+        for end in (one.values[0], one.values[-1]):
+            experiment.patched(_patch(experiment, lane, one.field, end))
+    combinations = list(product(*(one.values for one in axes)))
+    patches = [_patches(experiment, lane, names, values) for values in combinations]
+    alone = only_lane(experiment, lane)
+
+    def points() -> Iterator[Point]:
+        starts = range(0, len(patches), TASK)
+        tasks = [
+            executor.submit(outcomes, alone, lane, patches[start : start + TASK])
+            for start in starts
+        ]
+        try:
+            for start, task in zip(starts, tasks, strict=True):
+                for place, (made,) in enumerate(task.result(), start):
+                    yield Point(combinations[place], made)
+        finally:
+            for task in tasks:
+                task.cancel()
+
+    return points()
+
+
+def _refusal(field: str, text: str) -> InvalidExperimentError:
+    return InvalidExperimentError([FieldError(field, text)])
+
+
+def _patches(
+    experiment: Experiment, lane: str, names: Sequence[str], values: Sequence[float]
+) -> dict[str, Any]:
+    whole: dict[str, Any] = {}
+    for name, value in zip(names, values, strict=True):
+        merge(whole, _patch(experiment, lane, name, value))
+    return whole
+
+
+def _patch(experiment: Experiment, lane: str, name: str, value: float) -> dict[str, Any]:
+    """Return the patch that sets a gain, six in proportion, or a number elsewhere."""
+    parts = path_parts(name)
+    if len(parts) == 1:
+        found = knob(experiment, lane, name)
+        return found.patch(found.at_all(value))
+    place: Any = experiment.document()
+    for part in parts:
+        if not isinstance(place, dict) or part not in place:
+            text = f"no number stands at {name}: name a gain of {lane}, or a path such as robot.lag"
+            raise _refusal(name, text)
+        place = place[part]
+    if not isinstance(place, int | float | list) or isinstance(place, bool):
+        raise _refusal(name, f"{name} is no number to sweep")
+    patch: Any = value
+    for part in reversed(parts):
+        patch = {part: patch}
+    return dict(patch)

@@ -1,0 +1,127 @@
+"""What a search is told: lane, gains and their ranges, how it searches and how it judges."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
+from slidetune.robot.fields.quantity import Integer, Number, Section, field, refusal
+
+Sampler = Literal["tpe", "cmaes", "nsga2"]
+
+MOST_TRIALS, MOST_DRAWS = 20_000, 2_000
+MOST_GAINS = 24
+
+
+class GainRange(Section):
+    """Between which values a gain is searched."""
+
+    low: Number = field(
+        0.0,
+        title="Least value",
+        low=-1e9,
+        high=1e9,
+        meaning="Least value that is tried, in the gain's own unit.",
+    )
+    high: Number = field(
+        1.0,
+        title="Greatest value",
+        low=-1e9,
+        high=1e9,
+        meaning="Greatest value that is tried; of six that are turned alike, the greatest one's.",
+    )
+    joints: Literal["alike", "each"] = field(
+        "alike",
+        title="Joints",
+        meaning="alike: six values stay in proportion; each: every joint's is searched by itself.",
+    )
+
+    @model_validator(mode="after")
+    def _is_not_empty(self) -> GainRange:
+        if self.low >= self.high:
+            text = f"high must be greater than low = {self.low:g}, got {self.high:g}"
+            raise refusal("high", self.high, text)
+        return self
+
+
+class Tuning(Section):
+    """A search for the gains of a lane that keep to the experiment's goals."""
+
+    lane: str = Field(
+        max_length=LONGEST_LANE_NAME, title="Lane", description="Lane whose gains are searched."
+    )
+    gains: dict[str, GainRange] = Field(
+        default_factory=dict,
+        max_length=MOST_GAINS,
+        title="Gains",
+        description="Gains by name that are searched, and their ranges; where there are none, "
+        "every gain that acts, from a tenth of its value to ten times.",
+    )
+    sampler: Sampler = field(
+        "tpe",
+        title="Sampler",
+        meaning="How the next gains are chosen: tpe (Parzen estimators), cmaes (CMA-ES), or nsga2, "
+        "which looks for the best compromises between several soft goals.",
+    )
+    trials: Integer = field(
+        200,
+        title="Trials",
+        low=1,
+        high=MOST_TRIALS,
+        step=10,
+        meaning="How many sets of gains are tried; the first is the present one.",
+    )
+    draws: Integer = field(
+        0,
+        title="Draws",
+        low=0,
+        high=MOST_DRAWS,
+        step=10,
+        meaning="How many draws of what is uncertain each set is judged by; 0 for the experiment "
+        "as it is.",
+    )
+    judged_by: Literal["worst", "p95"] = field(
+        "p95",
+        title="Judged by",
+        meaning="Which draw counts: the worst one, or the one that 95 % of the draws keep below.",
+    )
+    seed: Integer = field(
+        1,
+        title="Seed",
+        low=0,
+        high=2**31 - 1,
+        step=1,
+        meaning="The same seed gives the same trials, on however many cores.",
+    )
+
+
+def check_tuning(experiment: Experiment, tuning: Tuning) -> None:
+    """Refuse a search that can't come to anything, before it begins.
+
+    Raises:
+        InvalidExperimentError: if there is no such lane, no goal, nothing uncertain to draw from,
+            or fewer than two soft goals for ``nsga2``.
+    """
+    experiment.lane(tuning.lane)
+    soft = [name for name, goal in experiment.goals.items() if goal.priority == "soft"]
+    refused = []
+    if not experiment.goals:
+        text = "there is nothing to search for: set a goal first, a bound on a response or a figure"
+        refused.append(FieldError("goals", text))
+    elif tuning.sampler == "nsga2" and len(soft) < 2:
+        text = f"nsga2 needs two soft goals or more to choose between, there are {len(soft)}"
+        refused.append(FieldError("sampler", text, tuning.sampler))
+    refused += unfounded_draws(experiment, tuning.draws)
+    if refused:
+        raise InvalidExperimentError(refused)
+
+
+def unfounded_draws(experiment: Experiment, draws: int) -> list[FieldError]:
+    """Return the refusal of draws where nothing is uncertain, if it is one."""
+    if not draws or experiment.uncertainty.uncertain:
+        return []
+    text = f"{draws} draws of nothing: give a quantity of uncertainty a range, or set draws to 0"
+    return [FieldError("draws", text, draws)]

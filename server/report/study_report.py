@@ -1,0 +1,169 @@
+"""What studies tell: tables for people, documents for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.loop.figures import FIGURES, STUDIED
+from slidetune.robot.loop.verdict import said
+from slidetune.robot.study.robustness import QUANTILES, Draw, quantiles
+from slidetune.robot.study.sweep import Axis, Point
+from slidetune.robot.study.tune import Trial, best_of, pareto_front
+from slidetune.robot.study.tuning import Tuning
+from slidetune.robot.version import __version__
+from slidetune.server.report.run_report import NONE, figure_text, heading
+
+Document = dict[str, Any]
+
+
+def tuning_document(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]) -> Document:
+    """Return a search and what came of it as plain JSON values."""
+    best = best_of(trials)
+    soft = [name for name, goal in experiment.goals.items() if goal.priority == "soft"]
+    front = pareto_front(trials, soft) if tuning.sampler == "nsga2" else []
+    return {
+        "slidetune": __version__,
+        "tuning": tuning.model_dump(mode="json"),
+        "present": trials[0].document() if trials else None,
+        "best": None if best is None else best.document(),
+        "front": [trial.number for trial in front],
+        "trials": [trial.document() for trial in trials],
+        "experiment": experiment.document(),
+    }
+
+
+def robustness_document(
+    experiment: Experiment, lane: str, draws: Sequence[Draw], tried: Sequence[Draw]
+) -> Document:
+    """Return draws, their quantiles and the worst found as plain JSON values."""
+    count = max(len(draws), 1)
+    worst = max(tried, key=lambda one: one.outcome.cost, default=None)
+    return {
+        "slidetune": __version__,
+        "lane": lane,
+        "draws": [draw.document() for draw in draws],
+        "quantiles": quantiles(draws),
+        "diverged": sum(one.outcome.diverged_at is not None for one in draws) / count,
+        "kept": sum(one.outcome.kept for one in draws) / count,
+        "worst_found": None if worst is None else worst.document(),
+        "experiment": experiment.document(),
+    }
+
+
+def sweep_document(
+    experiment: Experiment, lane: str, axes: Sequence[Axis], points: Sequence[Point]
+) -> Document:
+    """Return a sweep as plain JSON values."""
+    return {
+        "slidetune": __version__,
+        "lane": lane,
+        "axes": [{"field": one.field, "values": list(one.values)} for one in axes],
+        "points": [point.document() for point in points],
+        "experiment": experiment.document(),
+    }
+
+
+def sweep_lines(
+    experiment: Experiment, axes: Sequence[Axis], points: Sequence[Point]
+) -> Iterator[str]:
+    """Yield a sweep as CSV, SI units in the heading."""
+    figures = [f"{name} [{FIGURES[name].unit}]" for name in STUDIED]
+    ratios = [f'"ratio of {name}"'.replace(",", ";") for name in experiment.goals]
+    yield ",".join([*(one.field for one in axes), *figures, *ratios, "diverged at [s]"]) + "\n"
+    for point in points:
+        one = point.outcome
+        cells = [*point.values, *one.figures.values(), *one.ratios.values(), one.diverged_at]
+        yield ",".join("" if cell is None else f"{cell:.9g}" for cell in cells) + "\n"
+
+
+def _number(value: float | None) -> str:
+    return NONE if value is None else f"{value:.4g}"
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for index, text in enumerate(headings):
+        table.add_column(Text(text), justify="right" if index else "left", overflow="fold")
+    return table
+
+
+def _row(table: Table, *cells: str) -> None:
+    table.add_row(*(Text(cell) for cell in cells))
+
+
+def print_tuning(experiment: Experiment, document: Document, console: Console) -> None:
+    """Print what ``tuning_document`` returned: goals and gains, before and after."""
+    present, best = document["present"], document["best"]
+    if best is None:
+        console.print(Text("No trial came to its end.", style="red"))
+        return
+    tuning = document["tuning"]
+    judged = (
+        f"judged by the {tuning['judged_by']} of {tuning['draws']} draws"
+        if tuning["draws"]
+        else "judged by the experiment as it is"
+    )
+    console.print(Text(f"{tuning['lane']}: {len(document['trials'])} trials, {judged}"))
+    goals = _table("goal", "", "before", "after")
+    for name, goal in experiment.goals.items():
+        ratios = (one["outcome"]["ratios"][name] for one in (present, best))
+        _row(goals, f"{name}: {said(goal)}", goal.priority, *map(_number, ratios))
+    console.print(goals)
+    console.print(Text("1 is just met; trial 0 is the lane as it is."))
+    figures = _table("figure", "before", "after")
+    for name in STUDIED:
+        values = (one["outcome"]["figures"][name] for one in (present, best))
+        shown = (figure_text(FIGURES[name], value) for value in values)
+        _row(figures, heading(FIGURES[name]), *shown)
+    console.print(figures)
+    gains = _table("gain", "before", "after")
+    for name, value in best["values"].items():
+        _row(gains, name, _number(present["values"][name]), _number(value))
+    console.print(gains)
+    if not best["outcome"]["kept"]:
+        console.print(Text("No set of gains keeps every hard goal.", style="yellow"))
+
+
+def print_robustness(experiment: Experiment, document: Document, console: Console) -> None:
+    """Print what ``robustness_document`` returned."""
+    count = len(document["draws"])
+    shares = f"{document['diverged']:.1%} diverged, {document['kept']:.1%} kept every hard goal"
+    console.print(Text(f"{document['lane']}: {count} draws, {shares}"))
+    table = _table("", *QUANTILES)
+    found = document["quantiles"]
+    for name in STUDIED:
+        cells = (figure_text(FIGURES[name], found[name][label]) for label in QUANTILES)
+        _row(table, heading(FIGURES[name]), *cells)
+    for name, goal in experiment.goals.items():
+        cells = (_number(found[name][label]) for label in QUANTILES)
+        _row(table, f"ratio of {name}: {said(goal)}", *cells)
+    console.print(table)
+    worst = document["worst_found"]
+    if worst is not None:
+        values = ", ".join(f"{name} {value:.4g}" for name, value in worst["values"].items())
+        score = _number(worst["outcome"]["score"])
+        console.print(Text(f"Worst found (no proof that there is none worse): {score} at {values}"))
+
+
+def print_sweep(
+    experiment: Experiment, axes: Sequence[Axis], points: Sequence[Point], console: Console
+) -> None:
+    """Print a sweep as a table."""
+    goals = [f"ratio of {name}" for name in experiment.goals]
+    headings = (heading(FIGURES[name]) for name in STUDIED)
+    table = _table(*(one.field for one in axes), *headings, *goals, "")
+    for point in points:
+        one = point.outcome
+        figures = (figure_text(FIGURES[name], one.figures[name]) for name in STUDIED)
+        ratios = (_number(ratio) for ratio in one.ratios.values())
+        state = "" if one.diverged_at is None else f"diverged at {one.diverged_at:.3g} s"
+        state = one.refused or state
+        _row(table, *map(_number, point.values), *figures, *ratios, state)
+    console.print(table)

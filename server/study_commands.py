@@ -1,0 +1,153 @@
+"""Commands that make many runs: tune, robustness, sweep."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from slidetune.server.cli_options import CsvOption, JsonOption, PresetArgument, console, output
+
+# Everything that is slow to import waits for the command that needs it.
+
+MISSED = 4
+"""Exit code where a hard goal is not kept."""
+
+LaneOption = Annotated[
+    str, typer.Option(help="Lane; by default the first one, as the preset lists them.")
+]
+WorkersOption = Annotated[
+    int, typer.Option(min=0, max=256, help="Threads; 0 for one a core. They change no result.")
+]
+
+
+def tune(
+    preset: PresetArgument,
+    lane: LaneOption = "",
+    study: Annotated[
+        str,
+        typer.Option(
+            metavar="FILE",
+            help="YAML that says what is searched: gains with their ranges, sampler, trials, "
+            "draws, judged_by, seed. Options given here count more.",
+        ),
+    ] = "",
+    trials: Annotated[int | None, typer.Option(min=1, help="Sets of gains that are tried.")] = None,
+    sampler: Annotated[str | None, typer.Option(help="tpe, cmaes or nsga2.")] = None,
+    draws: Annotated[
+        int | None, typer.Option(min=0, help="Draws of what is uncertain that judge each set.")
+    ] = None,
+    judged_by: Annotated[str | None, typer.Option(help="Draw that counts: worst or p95.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="The same one, the same trials.")] = None,
+    workers: WorkersOption = 0,
+    out: Annotated[
+        str, typer.Option(metavar="FILE", help="Write the experiment with the best gains as YAML.")
+    ] = "",
+    json: JsonOption = "",
+) -> None:
+    """Search for the gains of a lane that keep to the experiment's goals.
+
+    Ctrl-C stops it and keeps what is done. Exit status: 0 where the best gains keep every hard
+    goal, 4 where none do, 2 if something is refused.
+    """
+    from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
+    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.run_report import json_text
+    from slidetune.server.report.study_bar import search_with_bar
+    from slidetune.server.report.study_file import wanted_tuning
+    from slidetune.server.report.study_report import print_tuning, tuning_document
+
+    experiment = load_preset(preset)
+    given = {
+        "lane": lane or None,
+        "trials": trials,
+        "sampler": sampler,
+        "draws": draws,
+        "judged_by": judged_by,
+        "seed": seed,
+    }
+    wanted = wanted_tuning(experiment, study, given)
+    check_outputs(json, out)
+    made = search_with_bar(experiment, wanted, workers, console)
+    document = tuning_document(experiment, wanted, made)
+    if json:
+        write_output(json, [json_text({"preset": preset, **document}), "\n"])
+    if out and document["best"]:
+        write_output(out, [experiment_to_yaml(experiment.patched(document["best"]["patch"]))])
+    if "-" not in (json, out):
+        print_tuning(experiment, document, output())
+    if not (document["best"] and document["best"]["outcome"]["kept"]):
+        raise typer.Exit(MISSED)
+
+
+def robustness(
+    preset: PresetArgument,
+    lane: LaneOption = "",
+    draws: Annotated[int, typer.Option(min=1, max=2000, help="Draws of what is uncertain.")] = 200,
+    worst: Annotated[
+        int, typer.Option(min=0, max=5000, help="Tries in a search for the worst; 0 for none.")
+    ] = 0,
+    workers: WorkersOption = 0,
+    json: JsonOption = "",
+) -> None:
+    """Run a lane at many draws of what the experiment calls uncertain.
+
+    Exit status: 0 where every draw keeps every hard goal, 4 where one does not, 2 if something is
+    refused.
+    """
+    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.run_report import json_text
+    from slidetune.server.report.study_bar import draws_with_bar
+    from slidetune.server.report.study_report import print_robustness, robustness_document
+
+    experiment = load_preset(preset)
+    name = lane or next(iter(experiment.lanes))
+    check_outputs(json)
+    made, tried = draws_with_bar(experiment, name, draws, worst, workers, console)
+    document = robustness_document(experiment, name, made, tried)
+    if json:
+        write_output(json, [json_text({"preset": preset, **document}), "\n"])
+    if json != "-":
+        print_robustness(experiment, document, output())
+    if not all(one.outcome.kept for one in (*made, *tried)):
+        raise typer.Exit(MISSED)
+
+
+def sweep(
+    preset: PresetArgument,
+    axes: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FIELD=LOW:HIGH:COUNT[:log]...",
+            help="One or two: a gain of the lane, or a path such as robot.payload.mass.",
+        ),
+    ],
+    lane: LaneOption = "",
+    workers: WorkersOption = 0,
+    csv: CsvOption = "",
+    json: JsonOption = "",
+) -> None:
+    """Run a lane at every combination of the values of one or two fields.
+
+    Exit status: 0, or 2 if something is refused.
+    """
+    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.report.output_file import check_outputs, write_output
+    from slidetune.server.report.run_report import json_text
+    from slidetune.server.report.study_bar import sweep_with_bar
+    from slidetune.server.report.study_file import wanted_axes
+    from slidetune.server.report.study_report import print_sweep, sweep_document, sweep_lines
+
+    experiment, found = load_preset(preset), wanted_axes(axes)
+    name = lane or next(iter(experiment.lanes))
+    check_outputs(csv, json)
+    points = sweep_with_bar(experiment, name, found, workers, console)
+    if csv:
+        write_output(csv, sweep_lines(experiment, found, points))
+    if json:
+        document = sweep_document(experiment, name, found, points)
+        write_output(json, [json_text({"preset": preset, **document}), "\n"])
+    if "-" not in (csv, json):
+        print_sweep(experiment, found, points, output())
