@@ -10,7 +10,7 @@ import numpy as np
 from slidetune.robot.advice.implicit_switching import implicit_switching
 from slidetune.robot.advice.remark import Advice, short, span
 from slidetune.robot.advice.sampled_arm import sampled_arm
-from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
+from slidetune.robot.advice.sufficient import halved_layer, sufficient_layer, sufficient_rate
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.experiment.simulation import MAX_STEPS
@@ -123,10 +123,11 @@ def sign(packed: Packed, name: str) -> Iterator[Advice]:
     smooth = packed.experiment.patched({"lanes": {name: {"switching": "tanh"}}})
     change: dict[str, Any] = {"switching": "tanh"}
     other = pack(smooth)
-    if not is_stable(other, name):
-        layer = sufficient_layer(other, name)
-        if layer is None:
-            return
+    stable = is_stable(other, name)
+    layer = halved_layer(other, name) if stable else sufficient_layer(other, name)
+    if layer is None and not stable:
+        return
+    if layer is not None:
         change["epsilon"] = layer
     width = span(change.get("epsilon", lane.epsilon))
     jump = f"the torque jump by 2k₂ = {short(2.0 * np.max(lane.k2))} N·m"

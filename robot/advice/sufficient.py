@@ -9,7 +9,17 @@ import numpy as np
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS, bounds
-from slidetune.robot.margins.margin import at_rate, is_stable, period_map, with_lane, worst_instant
+from slidetune.robot.margins.margin import (
+    at_rate,
+    instants,
+    is_stable,
+    period_map,
+    with_lane,
+    worst_instant,
+)
+
+_STEEPEST = 2.0**10
+"""By how much a layer is divided at most in search of a narrower one (*ours*)."""
 
 
 def _sufficient(
@@ -99,6 +109,30 @@ def sufficient_layer(packed: Packed, name: str) -> float | list[float] | None:
         return None
     widened = [min(_rounded_up(e * factor), most) for e in np.atleast_1d(present).tolist()]
     return widened if isinstance(present, tuple) else widened[0]
+
+
+def halved_layer(packed: Packed, name: str) -> float | list[float] | None:
+    """Return a stable lane's boundary layer, halved as often as the loop bears it, in [rad/s].
+
+    A layer much wider than it must be is smooth as well, but gives accuracy away.
+
+    Args:
+        packed: the experiment as numbers.
+        name: a lane that switches by tanh or saturation, stable as it is.
+
+    Returns:
+        One number or six, as the lane has it; ``None`` where not even half of it is enough.
+    """
+    present = packed.experiment.lanes[name].epsilon
+    maps = [period_map(packed, name, time) for time in instants(packed).tolist()]
+    steeper = 1.0
+    while steeper < _STEEPEST and all(one.stable(switching=2.0 * steeper) for one in maps):
+        steeper *= 2.0
+    if steeper == 1.0:
+        return None
+    least, _ = bounds(type(packed.experiment.lanes[name]), "epsilon")
+    thin = [max(_rounded_up(e / steeper), least) for e in np.atleast_1d(present).tolist()]
+    return thin if isinstance(present, tuple) else thin[0]
 
 
 def _rounded_up(value: float) -> float:

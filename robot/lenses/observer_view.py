@@ -1,10 +1,11 @@
-"""The network lens of a law that estimates what the arm loses: its estimate beside the true F."""
+"""The network lens of a law that estimates what the arm loses: beside what its model lacks."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 
 from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.experiment.packed import Packed
@@ -24,11 +25,12 @@ class ObservedJoint:
     """One joint's estimate.
 
     Attributes:
-        f: estimate of F in [N m]. Shape (m,).
-        lost: F: disturbance and friction in [N m]. Shape (m,).
-        known: share of F (as root mean square over the second half of the run) that the estimate
+        f: estimate of what is lost in [N m]. Shape (m,).
+        lost: what the law's model does not account for in [N m]: disturbance and friction F, and
+            where the model is not the arm, the difference between the two. Shape (m,).
+        known: share of it (as root mean square over the second half of the run) that the estimate
             carries; 1 is all, 0 none, below 0 worse than none.
-        lost_rms: that root mean square of F in [N m].
+        lost_rms: that root mean square of what is lost in [N m].
         missing_rms: the same of what the estimate leaves to the reaching law in [N m].
     """
 
@@ -47,7 +49,7 @@ class ObserverView:
         observer: which: ``momentum`` or ``time_delay``, or ``twisting``: M z of super-twisting.
         adds: whether M z of super-twisting stands beside an observer's estimate in the sum.
         joints: the six joints.
-        torque_time: time of estimate and F in [s]. Shape (m,).
+        torque_time: time of estimate and loss in [s]. Shape (m,).
     """
 
     observer: str
@@ -57,13 +59,33 @@ class ObserverView:
 
 
 def _lost(packed: Packed, run: LaneRun, chosen: Array) -> Array:
-    """Return F at some rows of a run in [N m]; an error of the model is no part of it."""
+    r"""Return what the model does not account for at some rows of a run in [N m]. Shape (m, 6).
+
+    .. math:: F + (M - \bar M)\,\ddot q + (C - \bar C)\,\dot q + G - \bar G
+    """
     work, lost = np.zeros((WORK_ROWS, JOINTS)), np.empty((len(chosen), JOINTS))
+    data = packed.model.createData()
+    nominal = packed.nominal and packed.nominal.createData()
     for index, row in enumerate(chosen):
         work[CURRENT + V] = run.v[row]
         external_torque(float(run.time[row]), 0.0, CURRENT, packed.environment, work)
         lost[index] = work[F]
+        if packed.nominal is not None:
+            a = _acceleration(run, int(row))
+            lost[index] += pin.rnea(packed.model, data, run.q[row], run.v[row], a)
+            lost[index] -= pin.rnea(packed.nominal, nominal, run.q[row], run.v[row], a)
     return lost
+
+
+def _acceleration(run: LaneRun, row: int) -> Array:
+    """Return the acceleration from the rows beside one in [rad/s^2], 0 where there are none."""
+    before, after = max(row - 1, 0), min(row + 1, len(run.time) - 1)
+    if after == before or not np.all(np.isfinite(run.v[after])):
+        after = row
+    if after == before:
+        return np.zeros(JOINTS)
+    change = run.v[after] - run.v[before]
+    return np.asarray(change / (run.time[after] - run.time[before]))
 
 
 def _rms(values: Array) -> float:

@@ -17,6 +17,8 @@ _GATHERED = 0.25
 QUARTILE = 0.75
 """Share of the periods that swing less than the amplitude (*ours*): two samples a period beat, and
 a median would count those that happen to fall on the middle of the swing."""
+_PERIODS = 8
+"""Periods that make a swing (*ours*): a few come from the motion, as where friction reverses."""
 _FEWEST = 64
 """Rows that are about as few as will do (*ours*)."""
 
@@ -58,7 +60,7 @@ def swing_of(sliding: Array, period: float, least: float) -> Swing | None:
         return None
     found = float(frequency[near] @ power[near] / power[near].sum())
     rows = max(2, round(1.0 / (found * period)))
-    if 3 * rows > len(sliding):
+    if _PERIODS * rows > len(sliding):
         return None
     mean = np.convolve(sliding, np.full(rows, 1.0 / rows), "valid")
     fast = sliding[rows // 2 : rows // 2 + len(mean)] - mean

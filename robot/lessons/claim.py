@@ -15,7 +15,7 @@ from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS, Section, refusal
 from slidetune.robot.kernels.workspace import NODES
 from slidetune.robot.laws.terms.network import NetworkGains
-from slidetune.robot.loop.figures import FIGURES
+from slidetune.robot.loop.figures import FIGURES, Reduction
 from slidetune.robot.loop.metrics import Metrics
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.robot.margins.margin import margin_limit, worst_margin
@@ -58,7 +58,7 @@ class Claim(Section):
     name: str = Field(pattern=r"[a-z][a-z0-9_]*", description="By which texts quote it.")
     metric: Metric
     lane: str
-    joint: int | None = Field(None, ge=1, le=JOINTS, description="None: the mean of all joints.")
+    joint: int | None = Field(None, ge=1, le=JOINTS, description="None: all, as in a table.")
     since: float = Field(0.0, ge=0.0, description="Begin of what is measured [s].")
     at: float | None = Field(None, ge=0.0, description="Instant of ``error_at`` [s].")
     than: str = Field("", description="Another claim: this one is how many times as great.")
@@ -127,9 +127,12 @@ class Look:
         return self.lane.metrics_since(self.claim.since)
 
     def of_joint(self, values: object) -> float:
-        """Return the claim's joint of one or six values, or the mean of all."""
+        """Return the claim's joint of one or six values; without one the metric reduces them."""
         six = np.broadcast_to(np.asarray(values, dtype=float), JOINTS)
-        return float(six.mean() if self.claim.joint is None else six[self.claim.joint - 1])
+        if self.claim.joint is not None:
+            return float(six[self.claim.joint - 1])
+        greatest = METRICS[self.claim.metric].reduced == "greatest"
+        return float(six.max() if greatest else six.mean())
 
 
 @dataclass(frozen=True)
@@ -141,22 +144,21 @@ class LessonMetric:
         value: works it out in SI units.
         factor: from these to ``unit``.
         label: what it is called beside a live one; empty where it follows from the gains alone.
-        whole: whether it belongs to a lane as a whole rather than to a joint.
+        reduced: what six joints become: their mean, their greatest, as in the tables; ``none`` of
+            what belongs to a lane as a whole.
     """
 
     unit: str
     value: Callable[[Look], float]
     factor: float = 1.0
     label: str = ""
-    whole: bool = False
+    reduced: Reduction = "mean"
 
 
 def _figure(name: str, value: Callable[[Look], float]) -> LessonMetric:
     """Return a metric that is a figure, or worked out as another one of the same kind."""
     figure = FIGURES[name]
-    return LessonMetric(
-        figure.shown_unit, value, figure.factor, figure.label, whole=not figure.per_joint
-    )
+    return LessonMetric(figure.shown_unit, value, figure.factor, figure.label, figure.reduced)
 
 
 def _of_run(name: str) -> LessonMetric:

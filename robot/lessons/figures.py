@@ -12,9 +12,15 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.lessons.claim import METRICS, Bound, Claim, Metric
 from slidetune.robot.lessons.lesson import LoadedLesson
+from slidetune.robot.loop.figures import Reduction
 from slidetune.robot.loop.response import only_lane
 
 QUOTED = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_OF_JOINTS: dict[Reduction, str] = {
+    "mean": ", mean of the joints",
+    "greatest": ", greatest of the joints",
+    "none": "",
+}
 _BEFORE: dict[Bound, str] = {"about": "", "at_least": "> ", "at_most": "< "}
 
 
@@ -31,6 +37,7 @@ class Figure:
         metric: what is measured.
         lane: where.
         joint: 1 to 6, ``None`` for all of them.
+        reduced: what all of them become: ``mean``, ``greatest``, ``none`` of what has no joint.
         since: begin of the window in [s].
         until: its end in [s].
         at: the instant of ``error_at`` in [s].
@@ -46,6 +53,7 @@ class Figure:
     metric: Metric
     lane: str
     joint: int | None
+    reduced: Reduction
     since: float
     until: float
     at: float | None
@@ -96,8 +104,9 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
     metric = METRICS[claim.metric]
     until = seconds or experiment.simulation.horizon
     whose = f"{metric.label} of {claim.lane}"
-    if not metric.whole:
-        whose += ", all joints" if claim.joint is None else f", joint {claim.joint}"
+    if metric.reduced != "none":
+        joint = claim.joint
+        whose += _OF_JOINTS[metric.reduced] if joint is None else f", joint {joint}"
     if claim.metric in ("sampling_margin", "margin_limit"):
         window = ""
     elif claim.at is not None:
@@ -115,6 +124,7 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
         metric=claim.metric,
         lane=claim.lane,
         joint=claim.joint,
+        reduced=metric.reduced,
         since=claim.since,
         until=until,
         at=claim.at,

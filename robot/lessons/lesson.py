@@ -40,6 +40,7 @@ View = Literal[
     "flange-error",
     "spectrum",
 ]
+Lens = Literal["sliding", "network", "chattering", "prediction"]
 
 
 class Question(Section):
@@ -71,6 +72,7 @@ class Step(Section):
     patch: dict[str, Any] = Field({}, description="JSON Merge Patch to what was before.")
     lane: str = Field("", description="Lane to select; empty: leave it.")
     view: View | None = Field(None, description="Tab of the plots to open.")
+    lens: Lens | None = Field(None, description="Lens to open instead.")
     exaggeration: float | None = Field(None, ge=1.0, le=MOST_EXAGGERATION)
     reset: bool = Field(False, description="Whether time starts again at 0.")
     samples: int = Field(
@@ -79,6 +81,13 @@ class Step(Section):
     seconds: float | None = Field(None, gt=0.0, description="Length of the claims' run [s].")
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
+
+    @model_validator(mode="after")
+    def _one_thing_is_opened(self) -> Step:
+        if self.view and self.lens:
+            text = f"a step opens a view or a lens, got {self.view} and {self.lens}"
+            raise refusal("lens", self.lens, text)
+        return self
 
 
 class Lesson(Section):

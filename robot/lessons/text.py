@@ -187,6 +187,7 @@ class LessonText:
             "changes": [] if step.preset else self._changes(index),
             "lane": step.lane,
             "view": step.view,
+            "lens": step.lens,
             "exaggeration": step.exaggeration,
             "reset": step.reset,
             "samples": step.samples,

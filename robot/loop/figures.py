@@ -154,7 +154,9 @@ _ENTRIES = (
         short="switches",
         unit="1/s",
         shown_unit="1/s",
-        meaning=f"Reversals per second, by more than {DEADBAND:g} N·m each, of the torque",
+        meaning=f"How often per second the torque reverses by more than {DEADBAND:g} N·m",
+        # Few and wide reversals are no better than many and small ones.
+        better="none",
         column=True,
         extra=True,
         live=True,
@@ -164,8 +166,8 @@ _ENTRIES = (
         name="high_frequency_torque",
         title="high-frequency torque",
         short="τ > fₕ",
-        meaning="Effective torque above the high frequency fₕ of the experiment, root sum of "
-        "squares of the joints",
+        meaning="RMS torque above the high frequency fₕ, which the section Simulation sets, root "
+        "sum of squares of the joints",
         column=True,
         not_live="It takes the spectrum of a whole run: see the whole response.",
         unknown="Unknown: the run is shorter than 0.25 s or 12.5 periods of fₕ, or fₕ is not below "
@@ -213,7 +215,7 @@ _ENTRIES = (
         name="rms_torque",
         title="RMS torque",
         short="RMS τ",
-        meaning="Effective torque",
+        meaning="Root mean square of the torque",
         column=True,
         extra=True,
         live=True,

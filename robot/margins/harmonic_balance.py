@@ -87,24 +87,29 @@ class LimitCycle:
         return np.asarray(loop.folded(omega) * (loop.response(omega)[:, joint] @ self.phasors))
 
 
-def limit_cycles(loop: SwitchingLoop, term: SwitchingTerm) -> tuple[LimitCycle | None, ...]:
+def limit_cycles(
+    loop: SwitchingLoop, term: SwitchingTerm, *, how_far: bool = True
+) -> tuple[LimitCycle | None, ...]:
     """Return the limit cycle of each joint; ``None`` where the balance has no solution.
 
     Args:
         loop: the loop around the switching terms.
         term: these of all six joints.
+        how_far: whether the amplitudes are wanted, which take most of the time; NaN if not.
     """
     own, late, early = (_own_frequencies(loop, term, part * loop.hold) for part in (0.0, 0.5, -0.5))
     found: list[LimitCycle | None] = [None] * JOINTS
     for joints in _groups(loop, own):
         group = _Locked(loop, joints, term.of(joints))
         omega, phasors = group.frequency(own[joints])
-        amplitudes = group.amplitudes(omega, phasors)
         folded = float(loop.folded(np.array([omega]))[0])
         crossings = folded * np.abs(group.answer(omega, phasors) / phasors)
+        amplitudes = group.amplitudes(omega, phasors) if how_far else np.full(len(joints), np.nan)
+        if group.term.has_layer and np.all(crossings < group.term.layer):
+            amplitudes = np.zeros(len(joints))  # close to the layer it dies out slowly
         for place, joint in enumerate(joints):
             alone = amplitudes[place]
-            if len(joints) > 1:
+            if len(joints) > 1 and how_far:
                 one = _Locked(loop, [joint], term.of([joint]))
                 alone = one.amplitudes(omega, np.ones(1, complex))[0]
             among = np.zeros(JOINTS, complex)

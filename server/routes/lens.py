@@ -9,6 +9,7 @@ from fastapi.responses import JSONResponse
 from pydantic import Field
 
 from slidetune.robot.lenses import look_through, only_known_lane
+from slidetune.robot.lenses.threshold import threshold_of
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.routes.disconnect import until_gone
@@ -24,10 +25,14 @@ ANSWERS: dict[int | str, dict[str, Any]] = {
     422: {"model": ErrorAnswer},
     503: {"model": ErrorAnswer},
 }
+THRESHOLD_ANSWERS: dict[int | str, dict[str, Any]] = {
+    **ANSWERS,
+    200: {"description": "``revision``, ``lane`` and ``threshold``."},
+}
 
 
-class LensRequest(Strict):
-    """Which lane to analyse, and with which lenses."""
+class LaneRequest(Strict):
+    """Which lane of which experiment."""
 
     lane: str = Field(examples=["RBFNN-NFTSM"])
     patch: dict[str, Any] = Field(
@@ -38,6 +43,11 @@ class LensRequest(Strict):
         description="A complete experiment to use instead of the live one; the patch applies "
         "to it.",
     )
+
+
+class LensRequest(LaneRequest):
+    """Which lane to analyse, and with which lenses."""
+
     lenses: list[LensName] = Field(
         ["sliding", "network", "chattering", "prediction"],
         min_length=1,
@@ -80,5 +90,22 @@ def lens_router(app_state: AppState) -> APIRouter:
             app_state.results.keep_looks(revision, whole, wanted.lane, seen)
         # Strict: what is no number has become null on the way, and anything else would raise.
         return JSONResponse({"revision": revision, "lane": wanted.lane, **seen})
+
+    @router.post("/threshold", response_class=JSONResponse, responses=THRESHOLD_ANSWERS)
+    async def threshold(request: Request, wanted: Annotated[LaneRequest, Body()]) -> Response:
+        """Return the boundary layer from which on a lane is silent, without a run.
+
+        ``threshold``: ``common`` for all joints and ``joints``, one for each, in [rad/s], as the
+        lens ``prediction`` has them; ``null`` where nothing switches, where the law has no layer,
+        and where only a run tells its gain.
+        """
+        revision = app_state.document.revision
+        experiment = app_state.experiment_of(wanted.experiment, wanted.patch)
+        turn = f"threshold {request.client.host if request.client else ''}"
+        work = app_state.workers.run(threshold_of, experiment, wanted.lane, client=turn)
+        found = await until_gone(request, work)
+        if found is None:
+            return Response(status_code=204)
+        return JSONResponse({"revision": revision, "lane": wanted.lane, **found})
 
     return router

@@ -7,8 +7,9 @@ from typing import Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from slidetune.robot.lessons.lesson import LoadedLesson, View, lessons, load_lesson
+from slidetune.robot.lessons.lesson import Lens, LoadedLesson, View, lessons, load_lesson
 from slidetune.robot.lessons.text import LessonText
+from slidetune.robot.loop.figures import Reduction
 from slidetune.server.contract.messages import ErrorAnswer
 
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
@@ -41,6 +42,7 @@ class LessonFigure(BaseModel):
     metric: str
     lane: str
     joint: int | None = Field(description="null: all of them.")
+    reduced: Reduction = Field(description="What all of them become; none: it has no joint.")
     since: float
     until: float
     at: float | None
@@ -78,6 +80,7 @@ class LessonStep(BaseModel):
     figures: list[LessonFigure] = Field(description="Those of the text, before any answer.")
     lane: str = Field(description="Lane to select; empty: keep the selection.")
     view: View | None = Field(description="Tab of the plots to open.")
+    lens: Lens | None = Field(description="Lens to open instead.")
     exaggeration: float | None
     reset: bool = Field(description="Whether time starts again at 0.")
     samples: int = Field(description="Freeze the plots on this many samples; 0: follow the newest.")

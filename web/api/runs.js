@@ -31,6 +31,16 @@ export class Runs {
   }
 
   /**
+   * From which boundary layer on a lane is silent, without a run; the owner's own question.
+   *
+   * @param {string} lane
+   * @returns {Promise<Document>} `threshold`: `common` and `joints` in [rad/s], or null
+   */
+  threshold(lane) {
+    return request('POST', '/api/threshold', {lane, experiment: this.#api.experiment});
+  }
+
+  /**
    * Many short runs, told as they end; see the kinds at the server's `/api/studies`.
    *
    * @param {'strip'|'sensitivity'|'switching'} kind

@@ -47,7 +47,7 @@ function columnsOf(figure) {
     return value.includes(null) ? null : Math.max(...value);
   };
   return [{
-    id: name, figure, title, unit, meaning: `${figure.meaning}${perJoint ? ' of any joint' : ''}.`,
+    id: name, figure, title, unit, meaning: `${figure.meaning}${perJoint ? ', greatest of the joints' : ''}.`,
     extra: figure.extra,
     value: (figures) => scaled(greatest(figures), factor),
     ...(perJoint && {joint: (figures) => figures[name].indexOf(greatest(figures)) + 1}),

@@ -3,7 +3,7 @@
 
 import {element} from '../dom/element.js';
 import {ChatteringLens} from './chattering.js';
-import {keyOf} from './key.js';
+import {keyOf} from '../fields/response_key.js';
 import {NetworkLens} from './network.js';
 import {PredictionLens} from './prediction.js';
 import {SlidingLens} from './sliding.js';
@@ -107,6 +107,10 @@ class Lenses {
     });
     this.#api.addEventListener('joint', (event) => {
       if (this.#awake) this.#chooseJoint(/** @type {CustomEvent} */ (event).detail);
+    });
+    this.#api.addEventListener('show', (event) => {
+      const {lens} = /** @type {CustomEvent} */ (event).detail;
+      if (lens) this.#choose(lens);
     });
     document.addEventListener('visibilitychange', () => this.#refresh());
     new ResizeObserver(([{contentRect}]) => {

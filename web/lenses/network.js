@@ -114,13 +114,13 @@ export class NetworkLens {
     this.#observerCard.words = observerWords(network);
     this.#observerCard.facts = [
       {name: 'lost', value: `${threeDigits(one.lost_rms)} N·m`,
-        title: 'Root mean square of F over the second half of the run'},
+        title: 'Root mean square over the second half of the run'},
       {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
       {name: 'observed', value: one.known === null ? '–' : percent(one.known)},
     ];
     this.#observerCard.finding = observerFinding(one, network);
-    this.#loss.draw(`Joint ${joint}: the observer’s estimate beside F`, (colors) => (
-      torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, 'F')
+    this.#loss.draw(`Joint ${joint}: the observer’s estimate beside what the model lacks`, (colors) => (
+      torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, ['lacking', 'estimate'])
     ));
   }
 
@@ -188,7 +188,8 @@ function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
 
 /** @param {any} network */
 function observerWords({observer, adds}) {
-  const lost = 'Dashed: the torque F that the world takes, disturbance and friction. ';
+  const lost = 'Dashed: the torque that the model lacks: disturbance and friction F, and where the model '
+    + 'is not the arm, the difference. ';
   if (observer === 'twisting') {
     return `${lost}The integral z of super-twisting comes to balance it: the curve is M·z. What it `
       + 'misses is left to k₁|S|^½.';
@@ -205,14 +206,14 @@ function observerWords({observer, adds}) {
 function observerFinding({known, lost_rms: lost, missing_rms: missing}, {observer}) {
   const [all, rest] = [threeDigits(lost), threeDigits(missing)];
   if (known === null) {
-    return `F is zero on this joint. What is estimated, ${rest} N·m, is an error of the model, or noise.`;
+    return `The model lacks nothing on this joint. What is estimated, ${rest} N·m, is noise.`;
   }
   if (known < 0.1) {
-    return `The estimate misses ${rest} N·m against the ${all} N·m of F: the model is off, `
-      + `${observer === 'twisting' ? 'k₂ is' : 'K_o is'} too low for how fast F changes, or noise drowns it.`;
+    return `The estimate misses ${rest} N·m of the ${all} N·m that the model lacks: `
+      + `${observer === 'twisting' ? 'k₂ is' : 'K_o is'} too low for how fast that changes, or noise drowns it.`;
   }
-  return `In the second half of the run the estimate covers ${percent(known)} of the ${all} N·m of F; `
-    + `${rest} N·m are left to the reaching law.`;
+  return `In the second half of the run the estimate covers ${percent(known)} of the ${all} N·m `
+    + `that the model lacks; ${rest} N·m are left to the reaching law.`;
 }
 
 /**
@@ -298,9 +299,9 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
  * @param {Look} look
  * @param {any} network
  * @param {any} one
- * @param {string} [wanted] what f is held against
+ * @param {[string, string]} [names] of what f is held against, and of f
  */
-function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one, wanted = 'needed') {
+function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one, names = ['needed', 'f']) {
   // Of a long run only some samples are here.
   const steps = isSampledEvery(hold, (x[x.length - 1] - x[0]) / (x.length - 1));
   const line = (/** @type {string} */ uid, /** @type {string} */ name, /** @type {number[]} */ y,
@@ -310,8 +311,8 @@ function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one,
   });
   return {
     data: [
-      line('needed', wanted, one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
-      line('f', 'f', one.f, {color, width: 1.8, shape: steps ? 'hv' : 'linear'}),
+      line('needed', names[0], one.needed, {color: colors.desired, width: 1.4, dash: '6px,4px'}),
+      line('f', names[1], one.f, {color, width: 1.8, shape: steps ? 'hv' : 'linear'}),
     ],
     layout: {
       uirevision: `${lane}-${joint}`,

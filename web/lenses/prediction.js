@@ -4,38 +4,24 @@
 import {element} from '../dom/element.js';
 import {LensCard, percent} from './card.js';
 import {LensFigure} from './figure.js';
-import {keyOf} from './key.js';
+import {thresholdKey} from '../fields/response_key.js';
 import {nyquistFigure} from './nyquist.js';
 import {threeDigits} from '../figures/columns.js';
-import {written} from '../fields/quantity.js';
+import {OFTEN, cautions, finding, proposal, reading, whyNothing} from './prediction_words.js';
 import {isWatching} from '../api/watch_only.js';
 
 /** @typedef {import('./card.js').Look} Look */
 
 const HEIGHT = 270;
-/** Gains that the threshold does not depend on. */
-const FREE = ['epsilon', 'switching'];
-/** Share of the time from which on a limit or friction is worth a word (*ours*). */
-const OFTEN = 0.05;
 const HEADINGS = [
   ['joint', ''],
   ['predicted Hz', 'Frequency at which the torque comes back half a period late'],
   ['measured Hz', 'In the second half of the run; – where S is silent'],
   ['predicted A [rad/s]', 'Half of what S swings'],
   ['measured A [rad/s]', 'In the second half of the run'],
-  ['ε* [rad/s]', 'Boundary layer from which on this joint is silent'],
+  ['ε* [rad/s]', 'Layers that silence the loop where each joint has its own; one ε for all is told below'],
   ['locked', 'Joints that swing at one frequency and push each other'],
 ];
-
-/** How the picture is read: −1/N(A) has no beginning without a layer, and is turned by an integral. */
-const BALANCE = {
-  layer: 'The dots are −1/N(A): they begin at −ε and run left as S swings farther. Where they meet the '
-    + 'curve, S keeps swinging; if they begin left of it, S is silent.',
-  sign: 'The dots are −1/N(A): they begin at 0 and run left as S swings farther. Where they meet the '
-    + 'curve, S keeps swinging.',
-  twisting: 'The dots are −1/N(A): they run away from 0 as S swings farther, and the integral z turns '
-    + 'them from the axis. Where they meet the curve, S keeps swinging.',
-};
 
 /** Shows what the pencil says of a lane. */
 export class PredictionLens {
@@ -50,7 +36,6 @@ export class PredictionLens {
   #card;
   #curve;
   /** @type {Look|null} */ #look = null;
-  /** @type {{lane: string, key: string}|null} whose threshold is marked */ #marked = null;
 
   /**
    * @param {import('../api/api.js').Api} api
@@ -75,7 +60,6 @@ export class PredictionLens {
       title: 'Where it balances', equation: 'G(jω) N(A) = −1', words: '',
     }, this.#figure.element);
     this.element = [this.#card.element, this.#curve.element];
-    for (const type of ['patch', 'hello']) api.addEventListener(type, () => this.#check());
   }
 
   /**
@@ -85,8 +69,8 @@ export class PredictionLens {
   show(look) {
     const {seen: {prediction}, lane, joint} = look;
     this.#look = look;
-    this.#mark(look);
-    if (!prediction) return `${lane} has no switching term, or power reaching: there is nothing to balance.`;
+    this.#tell(look);
+    if (!prediction) return whyNothing(lane, look.gains);
     this.#table.replaceChildren(...prediction.joints.map((/** @type {any} */ one, /** @type {number} */ index) => (
       row(one, index + 1, joint)
     )));
@@ -94,18 +78,30 @@ export class PredictionLens {
     this.#card.finding = finding(prediction);
     const {epsilon} = prediction;
     this.#button.hidden = epsilon === null || isWatching();
-    this.#button.textContent = `Set ε to ${epsilonText(epsilon)}`;
+    if (epsilon !== null) this.#button.textContent = proposal(prediction);
     this.#curve.facts = facts(one, prediction);
     this.#curve.finding = cautions(one, joint, prediction);
-    this.#curve.words = `Joint ${joint}: its curve G, with k₁, friction and the joints that are locked. `
-      + BALANCE[prediction.switching === 'twisting' ? 'twisting' : one.layer ? 'layer' : 'sign'];
-    this.#figure.element.hidden = one.crossing === null;
-    if (one.crossing !== null) {
+    this.#curve.words = reading(one, joint, prediction);
+    const drawn = one.curve[0].length > 0;
+    this.#figure.element.hidden = !drawn;
+    if (drawn) {
       this.#figure.draw(`Joint ${joint}: Nyquist curve against −1/N(A)`, (colors) => (
         nyquistFigure(colors, one, look)
       ));
     }
     return undefined;
+  }
+
+  /**
+   * Tell the slider of ε of the threshold.
+   *
+   * @param {Look} look
+   */
+  #tell({seen: {prediction}, lane, experiment}) {
+    const joints = prediction?.joints.map((/** @type {any} */ {threshold}) => threshold) ?? [];
+    this.#api.dispatchEvent(new CustomEvent('silence', {detail: {
+      lane, key: thresholdKey(experiment, lane), threshold: prediction?.threshold ?? null, joints,
+    }}));
   }
 
   async #silence() {
@@ -119,30 +115,6 @@ export class PredictionLens {
       this.#desk.tell(/** @type {Error} */ (error).message, {error: true});
     }
   }
-
-  /**
-   * Mark the threshold on the slider of ε.
-   *
-   * @param {Look} look
-   */
-  #mark({seen: {prediction}, lane, experiment}) {
-    this.#marked = {lane, key: keyOf(experiment, lane, FREE)};
-    const joints = prediction?.joints.map((/** @type {any} */ {threshold}) => threshold) ?? [];
-    this.#tell(prediction && {lane, threshold: prediction.threshold, joints});
-    this.#check();
-  }
-
-  /** Take the mark away as soon as it is another loop's. */
-  #check() {
-    if (!this.#marked) return;
-    const {lane, key} = this.#marked;
-    if (keyOf(this.#api.experiment, lane, FREE) === key) return;
-    this.#marked = null;
-    this.#tell(null);
-  }
-
-  /** @param {any} detail */
-  #tell(detail) { this.#api.dispatchEvent(new CustomEvent('silence', {detail})); }
 }
 
 function heading() {
@@ -176,33 +148,6 @@ function range(one) {
   return coarse ? `${threeDigits(slowest)} to ${threeDigits(fastest)}` : threeDigits(frequency);
 }
 
-/** @param {number|number[]|null} epsilon */
-function epsilonText(epsilon) {
-  return Array.isArray(epsilon) ? 'each joint’s threshold' : `${written(Number(epsilon))} rad/s`;
-}
-
-/** @param {any} prediction */
-function finding({joints, switching, threshold, adaptive}) {
-  const swinging = joints.filter((/** @type {any} */ {frequency}) => frequency !== null);
-  const present = adaptive ? ' k₂ adapts: this is for what it was in the run.' : '';
-  if (!swinging.length) return `No limit cycle: nothing comes late enough to make this loop swing.${present}`;
-  if (switching === 'twisting') return 'Super-twisting swings, if only a little: weaker k₁ and k₂ or less delay make it less.';
-  if (threshold === null) return `It swings whatever ε is: k₁ alone is too much for what comes late.${present}`;
-  const from = `silent from ε = ${threeDigits(threshold)} rad/s on`;
-  if (switching === 'sign') return `sign swings whatever k₂ is. tanh in its place would be ${from}.${present}`;
-  const loud = swinging.filter((/** @type {any} */ {amplitude}) => amplitude > 0).length;
-  const many = loud === joints.length ? 'All joints swing' : `${loud} of ${joints.length} joints swing`;
-  if (switching === 'implicit') {
-    return loud
-      ? `${many}: the layer T·k₂ is too thin for what comes late. tanh in its place would be ${from}.${present}`
-      : `Silent: the layer T·k₂ of the implicit sign is wide enough.${present}`;
-  }
-  const widest = Math.max(...joints.map((/** @type {any} */ {layer}) => layer));
-  return loud
-    ? `${many} at this ε; it is ${from}.${present}`
-    : `Silent: ε = ${threeDigits(widest)} rad/s is wide enough; it is ${from}.${present}`;
-}
-
 /**
  * @param {any} one
  * @param {any} prediction
@@ -229,23 +174,4 @@ function facts(one, {switching, adaptive}) {
       {name: 'load', value: percent(Math.abs(load)), title: `Share of ${twisting ? 'z_max' : 'k₂'} that holds the joint on its surface`},
     ] : []),
   ];
-}
-
-/**
- * Where the prediction does not hold.
- *
- * @param {any} one
- * @param {number} joint
- * @param {any} prediction
- */
-function cautions(one, joint, {switching}) {
-  const bound = switching === 'twisting' ? 'z_max' : 'k₂';
-  const said = [
-    one.frequency === null && `Joint ${joint} has no limit cycle: its curve does not cross the axis.`,
-    one.coarse && 'A period is a few samples: where they fall decides, within the range given.',
-    Math.abs(one.load) >= 1 && `The load exceeds ${bound}: S leaves its surface, and there is no limit cycle.`,
-    one.limited > OFTEN && `At its torque limit for ${percent(one.limited)} of the time: it swings otherwise.`,
-    one.sticking > OFTEN && `Coulomb friction takes part of the swing for ${percent(one.sticking)} of the time.`,
-  ];
-  return said.filter(Boolean).join(' ');
 }

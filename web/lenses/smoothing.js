@@ -6,7 +6,7 @@ import {plain} from '../plots/figure.js';
 import {LensCard} from './card.js';
 import {LensFigure, axis} from './figure.js';
 import {knee} from './knee.js';
-import {keyOf} from './key.js';
+import {keyOf} from '../fields/response_key.js';
 import {figureHeading, figureNumber, figureText} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 import {written} from '../fields/quantity.js';

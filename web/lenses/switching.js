@@ -4,7 +4,7 @@
 import {element} from '../dom/element.js';
 import {LensCard} from './card.js';
 import {LensFigure} from './figure.js';
-import {keyOf} from './key.js';
+import {keyOf} from '../fields/response_key.js';
 import {spectrumFigure} from './spectrum.js';
 import {figureHeading, figureNumber, figureText, threeDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';

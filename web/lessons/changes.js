@@ -1,7 +1,7 @@
 // @ts-check
 /** What a step of a lesson has changed, value by value. */
 
-import {element} from '../dom/element.js';
+import {element, withIndices} from '../dom/element.js';
 
 /**
  * @param {import('../api/lesson_document.js').LessonChange[]} list
@@ -10,7 +10,7 @@ import {element} from '../dom/element.js';
 export function changes(list) {
   if (!list.length) return null;
   const rows = list.map(({label, was, now}) => (
-    element('li', {}, element('b', {}, label), ` ${was} → ${now}`)
+    element('li', {}, element('b', {}, withIndices(label)), ` ${was} → ${now}`)
   ));
   return element('ul', {class: 'lesson-changes', 'aria-label': 'Changed'}, ...rows);
 }

@@ -151,12 +151,13 @@ export class Course {
     return true;
   }
 
-  /** Lane, tab and scale of the step. */
+  /** Lane, tab or lens, and scale of the step. */
   #look() {
-    const {lane, view, exaggeration, samples} = this.step;
+    const {lane, view, lens, exaggeration, samples} = this.step;
     if (lane && lane in this.#api.experiment.lanes) this.#api.select(lane);
     if (exaggeration !== null) this.#api.view({exaggeration});
-    if (view) this.#api.dispatchEvent(new CustomEvent('show', {detail: {tab: view}}));
+    const shown = lens ? {view: 'lenses', lens} : view && {tab: view};
+    if (shown) this.#api.dispatchEvent(new CustomEvent('show', {detail: shown}));
     this.#closeUp(samples);
   }
 

@@ -79,8 +79,9 @@ export function measured(ring, figure) {
  * @param {Figure} figure
  * @param {number[]} values of the six joints
  */
-function ofJoint({joint}, values) {
-  return joint === null ? sum(values) / values.length : values[joint - 1];
+function ofJoint({joint, reduced}, values) {
+  if (joint !== null) return values[joint - 1];
+  return reduced === 'greatest' ? Math.max(...values) : sum(values) / values.length;
 }
 
 /** @param {ArrayLike<number>} values */

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.lenses import look_through
@@ -72,21 +72,81 @@ def test_the_button_silences_the_lane_and_undo_brings_it_back(
     until(dashboard, LANE, "switching", "sign")
 
 
-def test_the_slider_is_marked_until_the_loop_is_another(page: Page, dashboard: Dashboard) -> None:
-    open_with_drives(page, dashboard)
-    control = page.locator(f'.control[data-path="lanes.{LANE}.epsilon"]')
-    slider, note = control.locator(".control-input > .slider"), control.locator(".silence-note")
+def epsilon_of(page: Page, lane: str) -> tuple[Locator, Locator]:
+    """Return the slider of a lane's layer and the note below it."""
+    control = page.locator(f'.control[data-path="lanes.{lane}.epsilon"]')
+    return control.locator(".control-input > .slider"), control.locator(".silence-note")
+
+
+def threshold(dashboard: Dashboard, lane: str) -> float:
+    found: float = predicted(dashboard, lane)["threshold"]  # type: ignore[assignment]
+    return found
+
+
+def test_the_slider_is_marked_without_the_lens_and_anew_for_another_loop(
+    page: Page, dashboard: Dashboard
+) -> None:
+    dashboard.client.post("api/presets/chattering-sign/load").raise_for_status()
+    patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})
+    page.goto(dashboard.url)
+    slider, note = epsilon_of(page, LANE)
+    marked = re.compile("is-silence-marked")
+    expect(slider).to_have_class(marked)
+    expect(note).to_contain_text(f"tanh would be silent from ε* = {threshold(dashboard, LANE):.3g}")
+    # What only moves along the slider leaves the mark where it is, and asks for nothing.
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    patch(dashboard, {"lanes": {LANE: {"epsilon": 0.2, "switching": "tanh"}}})
     expect(note).to_contain_text("Silent from ε*")
-    expect(slider).to_have_class(re.compile("is-silence-marked"))
-    # What only moves along the slider leaves the mark where it is.
-    patch(dashboard, {"lanes": {LANE: {"epsilon": 0.2}}})
-    expect(control.get_by_role("spinbutton").first).to_have_value("0.2")
-    expect(note).to_contain_text("Silent from ε*")
-    # Another lane has no mark before its own look.
-    page.get_by_role("tab", name="Chattering").click()
+    page.wait_for_timeout(1000)
+    assert [url for url in asked if "/api/threshold" in url or "/api/lens" in url] == []
+    # Another loop has another mark.
     patch(dashboard, {"lanes": {LANE: {"k2": 10.0}}})
-    expect(note).to_have_count(0)
-    expect(slider).not_to_have_class(re.compile("is-silence-marked"))
+    expect(note).to_contain_text(f"Silent from ε* = {threshold(dashboard, LANE):.3g}")
+    page.locator(".lane", has_text="tanh").first.click()
+    slider, note = epsilon_of(page, "tanh")
+    expect(slider).to_have_class(marked)
+    expect(note).to_contain_text(f"Silent from ε* = {threshold(dashboard, 'tanh'):.3g}")
+
+
+def test_a_drag_is_over_before_the_threshold_is_asked_for(page: Page, dashboard: Dashboard) -> None:
+    dashboard.client.post("api/presets/chattering-sign/load").raise_for_status()
+    patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})
+    page.goto(dashboard.url)
+    expect(epsilon_of(page, LANE)[1]).to_contain_text("ε*")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    slider = page.locator(f'.control[data-path="lanes.{LANE}.k1"] .control-input > .slider')
+    with page.expect_request("**/api/threshold"):
+        slider.focus()
+        for _ in range(10):
+            page.keyboard.press("ArrowRight")
+    expect(epsilon_of(page, LANE)[1]).to_contain_text("ε*")
+    page.wait_for_timeout(800)
+    assert len([url for url in asked if "/api/threshold" in url]) == 1
+
+
+def test_the_lens_of_a_silent_loop_has_its_picture_and_says_why(
+    page: Page, dashboard: Dashboard
+) -> None:
+    open_lens(page, dashboard, "Prediction", preset="paper-undisturbed")
+    curve = trace(page, CURVE, "curve")
+    assert len(curve["x"]) > 50
+    expect(card(page, CURVE).locator(".lens-finding")).to_contain_text("Joint 1 is silent")
+    expect(card(page, TITLE).locator(".lens-finding")).to_contain_text("No limit cycle")
+    expect(card(page, TITLE).get_by_role("button")).to_be_hidden()
+
+
+@pytest.mark.parametrize(
+    ("gains", "words"),
+    [({"reaching": "power"}, "power reaching"), ({"k2": 0.0}, "k₂ of sign is 0")],
+)
+def test_a_lane_without_a_balance_is_told_why(
+    page: Page, dashboard: Dashboard, gains: dict[str, object], words: str
+) -> None:
+    open_lens(page, dashboard, "Prediction", preset="chattering-sign")
+    patch(dashboard, {"lanes": {LANE: gains}})
+    expect(page.locator(".lens-message")).to_contain_text(words)
 
 
 def test_each_joint_of_a_list_has_its_own_mark(page: Page, dashboard: Dashboard) -> None:

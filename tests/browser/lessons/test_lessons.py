@@ -196,6 +196,27 @@ def test_what_was_tuned_in_a_lesson_can_be_kept(learner: Page, dashboard: Dashbo
     assert list(live(dashboard)["lanes"]) == ["NFTSM"]
 
 
+@pytest.mark.parametrize("width", [1440, 390])
+def test_a_step_opens_its_lens_and_the_next_its_plots(
+    learner: Page, dashboard: Dashboard, width: int
+) -> None:
+    page = learner
+    page.set_viewport_size({"width": width, "height": 844})
+    begin(page, "drive-lag")
+    page.get_by_role("button", name="Next", exact=True).click()
+    at_step(page, 2)
+    page.get_by_role("button", name="Skip the guess").click()
+    page.get_by_role("button", name="Next", exact=True).click()
+    at_step(page, 3)
+    expect(page.get_by_role("heading", name="What the pencil says")).to_be_visible()
+    table = page.get_by_role("region", name="Limit cycles of the joints")
+    expect(table.locator("tbody tr")).to_have_count(6, timeout=30_000)
+    page.get_by_role("button", name="Next", exact=True).click()
+    at_step(page, 4)
+    expect(table).to_be_hidden()
+    expect(page.get_by_role("tab", name="Torque", exact=True).first).to_be_visible()
+
+
 SIZES = [(1440, 900), (1024, 768), (420, 860)]
 
 
@@ -242,12 +263,15 @@ def test_the_torque_of_the_live_session_is_measured_as_that_of_a_run(
           ring.append(
             {rows, columns: joints.length, time: 0, dt: 0.001, revision: 1, epoch: 0, data});
           const whole = {lane: 'A', since: 0, until: (rows - 1) * 0.001, at: null, factor: 1};
-          return ['switches', 'rms_torque'].map((metric) => [...joints, null].map((joint) => (
-            measured(ring, {...whole, metric, joint}).value)));
+          return ['switches', 'rms_torque'].map((metric) => [
+            ...joints.map((joint) => measured(ring, {...whole, metric, joint}).value),
+            ...['greatest', 'mean'].map((reduced) => (
+              measured(ring, {...whole, metric, joint: null, reduced}).value)),
+          ]);
         }""",
         torque.T.tolist(),
     )
     for name, found in zip(("switches", "rms_torque"), shown, strict=True):
         known = getattr(figures, name)
-        np.testing.assert_allclose(found, [*known, known.mean()], rtol=1e-5)
+        np.testing.assert_allclose(found, [*known, known.max(), known.mean()], rtol=1e-5)
     assert (figures.switches > 50.0).all()

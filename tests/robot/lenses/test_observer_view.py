@@ -14,12 +14,12 @@ from slidetune.robot.lenses import look_through
 LOST = [5.0, 4.0, 3.0, 1.0, 0.0, 0.5]
 
 
-def seen(observer: str, **robot: Any) -> Any:
+def seen(observer: str, mismatch: float = 1.0, **robot: Any) -> Any:
     lane = {"law": "computed_torque", "observer": observer, "observer_rate": 40.0}
     document = {
         "robot": {"armature": 0.3, **robot},
         "lanes": {"A": lane},
-        "disturbance": {"constant": LOST},
+        "disturbance": {"constant": LOST, "nominal_mismatch": mismatch},
         "simulation": {"horizon": 2.0, "initial_velocity": "desired"},
     }
     return look_through(Experiment.from_document(document), "A", ["network"])["network"]
@@ -65,3 +65,11 @@ def test_friction_is_part_of_what_is_lost() -> None:
     swing = np.ptp(view["joints"][0]["lost"])
     # 2 N m s/rad under a velocity of cos(t) up to 2 s.
     assert swing == pytest.approx(2.0 * (1.0 - np.cos(2.0)), rel=1e-3)
+
+
+def test_an_error_of_the_model_is_part_of_what_is_lost() -> None:
+    payload = {"mass": 2.0, "known": False}
+    exact, wrong = seen("momentum"), seen("momentum", mismatch=0.8, payload=payload)
+    for joint, other in zip(exact["joints"][:3], wrong["joints"][:3], strict=True):
+        assert np.ptp(other["lost"]) > np.ptp(joint["lost"]) + 0.1
+        assert other["known"] > 0.9

@@ -95,6 +95,31 @@ def test_presets_that_are_smooth_are_predicted_to_be(preset: str, lane: str) -> 
         assert joint.measured_frequency is None
 
 
+@pytest.mark.parametrize(
+    ("preset", "lane"),
+    [(name, lane) for name in ("paper", "experiment-quintic") for lane in load_preset(name).lanes]
+    + [("drive-lag", "integral")],
+)
+def test_what_nothing_makes_swing_is_silent_and_has_its_picture(preset: str, lane: str) -> None:
+    view = seen(load_preset(preset), lane)
+    for joint in view.joints:
+        assert not joint.amplitude
+        assert joint.measured_frequency is None
+        curve, dots = joint.curve[0] + 1j * joint.curve[1], joint.line[1]
+        assert len(curve) == len(joint.curve_frequency) > 50
+        assert dots.max() == pytest.approx(-joint.layer, rel=1e-2)
+        if joint.crossing is not None:
+            assert joint.layer > abs(joint.crossing[0])
+            assert joint.clearance is None
+        elif joint.clearance is None:
+            assert np.abs(curve).max() <= joint.layer
+        else:
+            assert joint.nearest is not None
+            near = int(np.argmin(np.abs(joint.curve_frequency - joint.nearest)))
+            assert abs(curve[near]) > joint.layer
+            assert abs(np.angle(curve[near])) == pytest.approx(np.pi - joint.clearance)
+
+
 @pytest.mark.parametrize("robot", [{}, LAG])
 def test_super_twisting_behind_drives_swings_as_predicted(robot: dict[str, Any]) -> None:
     experiment = load_preset("drive-lag").patched({"robot": {**FREE["robot"], **robot}})
@@ -213,6 +238,16 @@ def test_the_proposed_layer_is_silent_and_in_the_form_of_the_lanes_own() -> None
     for layer in (one.epsilon, several):
         wide = experiment.patched({"lanes": {"sign": {"switching": "tanh", "epsilon": layer}}})
         assert all(joint.measured_frequency is None for joint in seen(wide, "sign").joints)
+
+
+def test_the_layer_proposed_in_place_of_an_implicit_sign_is_silent() -> None:
+    experiment = load_preset("drive-lag")
+    one = seen(experiment, "implicit")
+    assert one.joints[0].amplitude
+    change = {"switching": "tanh", "epsilon": one.epsilon}
+    smooth = seen(experiment.patched({"lanes": {"implicit": change}}), "implicit")
+    assert smooth.threshold == pytest.approx(one.threshold)
+    assert not any(joint.amplitude or joint.measured_frequency for joint in smooth.joints)
 
 
 def test_continuous_mode_chatters_by_its_drives_alone() -> None:

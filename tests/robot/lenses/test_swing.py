@@ -40,6 +40,13 @@ def test_slow_motion_alone_is_silent() -> None:
     assert swing_of(slow(time), PERIOD, 1e-3) is None
 
 
+def test_a_few_bumps_of_the_motion_are_no_swing() -> None:
+    """As friction makes them, which reverses twice in a period of the motion."""
+    time = np.arange(5000) * PERIOD
+    bumps = np.exp(-8.0 * ((time[:, None] - np.array([0.4, 3.5])) % 6.3)).sum(axis=1)
+    assert swing_of(slow(time) + 0.1 * bumps, PERIOD, 1e-3) is None
+
+
 def test_what_is_spread_over_many_frequencies_is_no_swing() -> None:
     time, random = np.arange(5000) * PERIOD, np.random.default_rng(1)
     tones = 2.0 * np.pi * np.geomspace(3.0, 300.0, 60)

@@ -9,8 +9,10 @@ from typing import Any, get_args
 import pytest
 
 from slidetune.robot.errors import InvalidLessonError, PresetSyntaxError, UnknownLessonError
+from slidetune.robot.lenses import LENSES
 from slidetune.robot.lessons.claim import METRICS, Claim, Metric, measured
 from slidetune.robot.lessons.lesson import (
+    Lens,
     Lesson,
     LoadedLesson,
     Question,
@@ -113,7 +115,7 @@ def test_the_manual_names_every_field_metric_and_view() -> None:
         assert missing == [], part.__name__
     for name, metric in METRICS.items():
         assert f"| `{name}` | {metric.unit}{' ' * bool(metric.unit)}|" in MANUAL
-    assert [view for view in get_args(View) if f"`{view}`" not in MANUAL] == []
+    assert [one for one in get_args(View) + get_args(Lens) if f"`{one}`" not in MANUAL] == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -185,6 +187,33 @@ def test_tabs_are_those_of_the_plots() -> None:
     assert set(get_args(View)) <= set(re.findall(r"id: '([\w-]+)', title", source.read_text()))
 
 
+def test_lenses_are_those_that_there_are() -> None:
+    assert set(get_args(Lens)) == set(LENSES)
+
+
+def test_a_figure_of_no_joint_is_reduced_as_in_the_tables() -> None:
+    """Beside a mean of six stands ``mean``, beside the greatest ``greatest``."""
+    loaded = load_lesson("drive-lag")
+    run = simulate(loaded.experiments[0].patched({"simulation": {"horizon": 1.0}}), estimate=False)
+    figures = run.lanes["sign"].metrics_since(0.5)
+    known: list[tuple[Metric, str]] = [
+        ("switches", "switches"),
+        ("mean_error", "mae"),
+        ("peak_torque", "peak_torque"),
+        ("chattering", "chattering"),
+    ]
+    for metric, name in known:
+        claim = Claim(name="x", metric=metric, lane="sign", since=0.5, at_least=0.0)
+        factor = FIGURES[name].factor
+        wanted = FIGURES[name].overall(getattr(figures, name))
+        assert measured(claim, run) == pytest.approx(factor * wanted), metric
+    shown = LessonText(loaded).step(0)["figures"]
+    assert [each["label"] for each in shown] == [
+        "switches a second of sign, greatest of the joints",
+        "mean |e| of tanh, mean of the joints",
+    ]
+
+
 def test_every_metric_can_be_worked_out() -> None:
     assert set(get_args(Metric)) == set(METRICS)
 
@@ -222,6 +251,7 @@ def test_texts_are_filled_from_claims_and_experiments() -> None:
         ("answer: 1", "answer: 2", "steps.1.question.answer", 16),
         ("answer: 1", "answr: 1", "steps.1.question.answr", 16),
         ("about: 0.333", "about: 1, at_most: 2", "steps.1.claims.0.name", 19),
+        ("lane: NFTSM\n    q", "view: error\n    lens: network\n    q", "steps.1.lens", 13),
         ("metric: time_constant", "metric: error_at", "steps.1.claims.0.at", 19),
         ("metric: time_constant", "metric: luck", "steps.1.claims.0.metric", 19),
         ("about: 0.333", "about: 1, than: nobody", "steps.1.claims.0.than", 19),

@@ -47,6 +47,7 @@ BODY_ROUTES = [
     ("POST", "/api/history/1/restore"),
     ("POST", "/api/preview"),
     ("POST", "/api/lens"),
+    ("POST", "/api/threshold"),
     ("POST", "/api/studies/strip"),
     ("POST", "/api/studies/sensitivity"),
     ("POST", "/api/studies/switching"),

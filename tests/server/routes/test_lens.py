@@ -133,3 +133,18 @@ def test_bad_requests_are_refused_in_the_one_shape(served: Served, body: dict[st
     response = served.http.post("/api/lens", json=body)
     assert response.status_code == 422
     assert set(response.json()["error"]) == {"code", "message", "fields"}
+
+
+def test_the_threshold_is_that_of_the_lens_and_needs_no_run(served: Served) -> None:
+    assert served.http.post("/api/presets/chattering-tanh/load").status_code == 200
+    shorten(served)
+    answer = served.http.post("/api/threshold", json={"lane": "tanh"}, timeout=120.0).json()
+    lens = seen(served, lane="tanh", lenses=["prediction"])["prediction"]
+    assert answer["revision"] == served.app_state.document.revision
+    assert answer["lane"] == "tanh"
+    assert answer["threshold"]["common"] == lens["threshold"]
+    assert answer["threshold"]["joints"] == [joint["threshold"] for joint in lens["joints"]]
+    for body in ({}, {"lane": "Nobody"}, {"lane": "tanh", "lenses": ["sliding"]}):
+        response = served.http.post("/api/threshold", json=body)
+        assert response.status_code == 422
+        assert set(response.json()["error"]) == {"code", "message", "fields"}

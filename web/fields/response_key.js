@@ -11,3 +11,13 @@ export function keyOf(experiment, lane, except = []) {
   const gains = Object.entries(lanes?.[lane] ?? {}).filter(([name]) => !except.includes(name));
   return JSON.stringify([lane, gains, robot, trajectory, disturbance, simulation]);
 }
+
+/** Gains that the threshold of silence does not depend on. */
+const FREE = ['epsilon', 'switching'];
+
+/**
+ * @param {{[section: string]: any}} experiment
+ * @param {string} lane
+ * @returns {string} what its threshold of silence depends on
+ */
+export function thresholdKey(experiment, lane) { return keyOf(experiment, lane, FREE); }
