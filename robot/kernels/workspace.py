@@ -92,7 +92,8 @@ CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
 TALLY = CHANGE_Q + 2  # columns below
 MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state
 ERRORS = CHANGE_Q + 3  # columns below
-WORK_ROWS = CHANGE_Q + 4
+OBSERVED = CHANGE_Q + 4  # r: estimate of a disturbance observer of -F [N m]
+WORK_ROWS = CHANGE_Q + 5
 
 KNOWN = 0  # column of TALLY: whether CHANGE holds something
 UNSOLVED = 1  # column of TALLY: steps whose equation was not solved to its tolerance

@@ -28,6 +28,14 @@ from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach_shaped
 from slidetune.robot.laws.terms.inertia_shaping import ShapedReachingGains, shape_by_inertia
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import (
     CODES,
@@ -42,12 +50,14 @@ from slidetune.robot.laws.terms.switching import (
 Array = np.ndarray
 
 LEAST, RATE = 0, 1
-SURFACE, REACHING, ADAPTATION = stacked(LINEAR_ROWS, CURVE_ROWS, 2)
+SURFACE, REACHING, ADAPTATION, OBSERVER = stacked(LINEAR_ROWS, CURVE_ROWS, 2, OBSERVER_ROWS)
 SWITCHING_GAIN = W
 """Row of its memory: the present k₂ [rad/s^2], 0 before it has begun."""
+MEMORY = 1
+"""Rows of that."""
 
 
-class AdaptiveSmc(LinearSurface, ShapedReachingGains):
+class AdaptiveSmc(LinearSurface, ShapedReachingGains, ObserverGains):
     """Gains of SMC with an adaptive switching gain."""
 
     law: Literal["adaptive_smc"] = "adaptive_smc"
@@ -103,10 +113,11 @@ class AdaptiveSmc(LinearSurface, ShapedReachingGains):
     )
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (8, 6)."""
+        """Return all gains as numbers. Shape (10, 6)."""
         adaptation = np.empty((2, JOINTS))
         adaptation[LEAST], adaptation[RATE] = self.k2_min, self.adaptation_rate
-        return np.vstack([self.pack_surface(), self.pack_reaching(), adaptation])
+        own = self.pack_surface(), self.pack_reaching(), adaptation
+        return np.vstack([*own, self.pack_observer()])
 
 
 @inlined
@@ -122,11 +133,11 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         S = \lambda e + \dot e
 
     What the gain could give at a joint alone, :math:`M_{jj} k_2`, is recorded as f [N m]: it is
-    what stands against F.
+    what stands against F. With an observer f is its estimate.
 
     Args:
         state: first row of the state whose memory counts.
-        gains: numbers of ``AdaptiveSmc.pack``. Shape (8, 6).
+        gains: numbers of ``AdaptiveSmc.pack``. Shape (10, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -142,12 +153,15 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shape_by_inertia(nominal_M, work)
-    for j in range(JOINTS):
-        work[NETWORK, j] = nominal_M[j, j] * curve[K2, j]
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, MEMORY, nominal_M, work)
+    else:
+        for j in range(JOINTS):
+            work[NETWORK, j] = nominal_M[j, j] * curve[K2, j]
 
 
 @kernel
-def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
+def advance(h, state, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     r"""Adapt the switching gain (Plestan, Shtessel, Brégeault and Poznyak 2010); ``Law.advance``.
 
     .. math:: \dot k_2 = \kappa |S| \operatorname{sign}(|S| - \epsilon), \qquad
@@ -162,6 +176,8 @@ def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-d
             rate = -rate
         known = _bounded(work[state + SWITCHING_GAIN, j], j, gains)
         work[into + SWITCHING_GAIN, j] = _bounded(known + h * rate, j, gains)
+    if gains[OBSERVER][KIND, 0] != NONE:
+        advance_observer(h, gains[OBSERVER], into, MEMORY, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -172,6 +188,6 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
-    memory=1,
+    memory=MEMORY,
     advance=advance,
 )

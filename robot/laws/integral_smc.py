@@ -27,17 +27,27 @@ from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach_shaped
 from slidetune.robot.laws.terms.inertia_shaping import ShapedReachingGains, shape_by_inertia
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.switching import CODES, IMPLICIT, SWITCHING_CODE, reach
 
 Array = np.ndarray
 
 KP, KD = 0, 1
-ERROR, REACHING = stacked(2, CURVE_ROWS)
+ERROR, REACHING, OBSERVER = stacked(2, CURVE_ROWS, OBSERVER_ROWS)
 INTEGRAL, BEGUN = W, W + 1
 """Rows of its memory: the integral [rad/s], and whether it has begun [-]."""
+MEMORY = 2
+"""How many they are."""
 
 
-class IntegralSmc(ShapedReachingGains):
+class IntegralSmc(ShapedReachingGains, ObserverGains):
     """Gains of integral sliding mode control."""
 
     law: Literal["integral_smc"] = "integral_smc"
@@ -66,10 +76,10 @@ class IntegralSmc(ShapedReachingGains):
     )
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (7, 6)."""
+        """Return all gains as numbers. Shape (9, 6)."""
         error = np.empty((2, JOINTS))
         error[KP], error[KD] = self.kp, self.kd
-        return np.vstack([error, self.pack_reaching()])
+        return np.vstack([error, self.pack_reaching(), self.pack_observer()])
 
 
 @kernel
@@ -85,7 +95,7 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
 
     Args:
         state: first row of the state whose memory counts.
-        gains: numbers of ``IntegralSmc.pack``. Shape (7, 6).
+        gains: numbers of ``IntegralSmc.pack``. Shape (9, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -103,10 +113,12 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shape_by_inertia(nominal_M, work)
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, MEMORY, nominal_M, work)
 
 
 @kernel
-def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
+def advance(h, state, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     """Integrate k_p e; begin where S is 0. See ``Law.advance``."""
     for j in range(JOINTS):
         e = work[QD, j] - work[MEASURED_Q, j]
@@ -115,6 +127,8 @@ def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-d
             integral = -(work[VD, j] - work[MEASURED_V, j] + gains[KD, j] * e)
         work[into + INTEGRAL, j] = integral + h * gains[KP, j] * e
         work[into + BEGUN, j] = 1.0
+    if gains[OBSERVER][KIND, 0] != NONE:
+        advance_observer(h, gains[OBSERVER], into, MEMORY, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -126,6 +140,7 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
-    memory=2,
+    memory=MEMORY,
+    states=(INTEGRAL - W,),
     advance=advance,
 )

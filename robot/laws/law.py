@@ -53,6 +53,8 @@ class Law:
             S_FREE - S_FALL a, a in RIGHT. In sampled mode (``FLAGS``, ``PERIOD``) it is called once
             a control period h, when TAU has been limited. Like ``control`` a ``kernel``; a plain
             function is called back. Of a law with an observer it moves that one's rows on, too.
+        states: which rows of its memory a small deviation moves by as much: those that a margin
+            has to know. What is slow, such as a gain that adapts, stays what it is there.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Law:
     network: bool
     memory: int = 0
     advance: Advance | None = None
+    states: tuple[int, ...] = ()
 
     def used_by(self, lane: Section) -> Law:
         """Return the law as a lane uses it: with an observer's memory, or without one at all."""

@@ -32,6 +32,14 @@ from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.inertia_shaping import shape_by_inertia
 from slidetune.robot.laws.terms.network import no_network
+from slidetune.robot.laws.terms.observer import (
+    KIND,
+    NONE,
+    OBSERVER_ROWS,
+    ObserverGains,
+    advance_observer,
+    observe_loss,
+)
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import (
     ALPHA,
@@ -49,14 +57,16 @@ from slidetune.robot.laws.terms.switching import (
 
 Array = np.ndarray
 
-SURFACE, TWIST, BOUND = stacked(LINEAR_ROWS, CURVE_ROWS, 1)
+SURFACE, TWIST, BOUND, OBSERVER = stacked(LINEAR_ROWS, CURVE_ROWS, 1, OBSERVER_ROWS)
 INTEGRAL = W
 """Row of its memory: z [rad/s^2]."""
+MEMORY = 1
+"""Rows of that."""
 _STILL = 1e-9
 """|S| in [rad/s] below which a joint that a step holds is held on S = 0 (*ours*)."""
 
 
-class SuperTwisting(LinearSurface):
+class SuperTwisting(LinearSurface, ObserverGains):
     """Gains of the super-twisting controller."""
 
     law: Literal["super_twisting"] = "super_twisting"
@@ -107,12 +117,13 @@ class SuperTwisting(LinearSurface):
         return HELD
 
     def pack(self) -> Array:
-        """Return all gains as numbers. Shape (7, 6)."""
+        """Return all gains as numbers. Shape (9, 6)."""
         twist = np.zeros((CURVE_ROWS, JOINTS))
         # The row K2 is what z changes by in one step, which only the step knows.
         twist[K1], twist[ALPHA], twist[EPSILON] = self.k1, self.k2, 1.0
         twist[CODES, [SWITCHING_CODE, REACHING_CODE, IS_REACHING]] = SIGN, TWISTING, 1.0
-        return np.vstack([self.pack_surface(), twist, np.full((1, JOINTS), self.z_max)])
+        bound = np.full((1, JOINTS), self.z_max)
+        return np.vstack([self.pack_surface(), twist, bound, self.pack_observer()])
 
 
 @kernel
@@ -123,15 +134,16 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         \dot z = k_2 \operatorname{sign} S, \qquad S = \lambda e + \dot e
 
     With :math:`|\tfrac{d}{dt} M^{-1}F| \le L` it reaches S = dS/dt = 0 in finite time for
-    k_1 = 1.5 sqrt(L), k_2 = 1.1 L. M z is recorded as f [N m]: it comes to balance F. Continuous
-    mode takes the set-valued sign of S at the end of the step, in z as well:
+    k_1 = 1.5 sqrt(L), k_2 = 1.1 L. M z is recorded as f [N m], with what an observer adds: it
+    comes to balance F. Continuous mode takes the set-valued sign of S at the end of the step, in z
+    as well:
 
     .. math:: k_1 |S_1|^{1/2}\operatorname{sign} S_1 + z + h k_2 \xi, \qquad
         \xi \in \operatorname{Sgn} S_1
 
     Args:
         state: first row of the state whose memory counts.
-        gains: numbers of ``SuperTwisting.pack``. Shape (7, 6).
+        gains: numbers of ``SuperTwisting.pack``. Shape (9, 6).
         nominal_M: inertia of the nominal arm. Shape (6, 6).
         nominal_nle: C v + G of the nominal arm. Shape (6,).
         work: workspace with the desired and the measured motion.
@@ -152,6 +164,8 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         for j in range(JOINTS):
             work[NETWORK, i] += nominal_M[i, j] * work[state + INTEGRAL, j]
         work[TAU, i] += work[NETWORK, i]
+    if gains[OBSERVER][KIND, 0] != NONE:
+        observe_loss(gains[OBSERVER], state, MEMORY, nominal_M, work)
 
 
 @inlined
@@ -160,7 +174,7 @@ def _sign(s):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
+def advance(h, state, into, gains, nominal_M, nominal_nle, work):  # type: ignore[no-untyped-def]
     """Integrate the sign of S, explicitly in sampled mode; see ``Law.advance``.
 
     Where a joint is held on S = 0, the step has found the one value of the sign that holds it.
@@ -175,6 +189,8 @@ def advance(h, state, into, gains, _M, _nle, work):  # type: ignore[no-untyped-d
                 rate = min(max(work[REACHED, j] / h, -k2), k2)
         z, bound = work[state + INTEGRAL, j] + h * rate, gains[BOUND][0, j]
         work[into + INTEGRAL, j] = min(max(z, -bound), bound)
+    if gains[OBSERVER][KIND, 0] != NONE:
+        advance_observer(h, gains[OBSERVER], into, MEMORY, nominal_M, nominal_nle, work)
 
 
 LAW = Law(
@@ -185,6 +201,7 @@ LAW = Law(
     control=control,
     model_based=True,
     network=False,
-    memory=1,
+    memory=MEMORY,
+    states=(INTEGRAL - W,),
     advance=advance,
 )

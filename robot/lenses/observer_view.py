@@ -1,4 +1,4 @@
-"""The network lens of a law with a disturbance observer: its estimate beside the true F."""
+"""The network lens of a law that estimates what the arm loses: its estimate beside the true F."""
 
 from __future__ import annotations
 
@@ -44,12 +44,14 @@ class ObserverView:
     """What the network lens shows of an observer.
 
     Attributes:
-        observer: which: ``momentum`` or ``time_delay``.
+        observer: which: ``momentum`` or ``time_delay``, or ``twisting``: M z of super-twisting.
+        adds: whether M z of super-twisting stands beside an observer's estimate in the sum.
         joints: the six joints.
         torque_time: time of estimate and F in [s]. Shape (m,).
     """
 
     observer: str
+    adds: bool
     joints: tuple[ObservedJoint, ...]
     torque_time: Array
 
@@ -77,10 +79,11 @@ def look(packed: Packed, name: str, run: LaneRun) -> ObserverView | None:
         run: what it did.
 
     Returns:
-        ``None`` where it has no observer.
+        ``None`` where it has no observer, and no integral that acts like one.
     """
-    kind = getattr(packed.experiment.lanes[name], "observer", "none")
-    if kind == "none":
+    lane = packed.experiment.lanes[name]
+    kind, twists = getattr(lane, "observer", "none"), lane.law == "super_twisting"
+    if kind == "none" and not twists:
         return None
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     chosen = every_few(rows, TORQUE_ROWS)
@@ -97,4 +100,5 @@ def look(packed: Packed, name: str, run: LaneRun) -> ObserverView | None:
                 missing_rms=missing,
             )
         )
-    return ObserverView(kind, tuple(joints), run.time[chosen])
+    observer = "twisting" if kind == "none" else kind
+    return ObserverView(observer, twists and kind != "none", tuple(joints), run.time[chosen])

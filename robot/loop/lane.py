@@ -169,15 +169,16 @@ class Lane:
         """Take other gains, law, arm or trajectory from the next step on; the state goes on.
 
         What another law left as its memory is not this one's. Weights go on under another law with
-        a network, and a law that needs neither leaves both as they are, but for what an observer
-        remembers: that is of the moment.
+        a network, a law whose observer is switched keeps its own, and one that needs neither leaves
+        both as they are, but for what an observer remembers: that is of the moment.
         """
         gains, before = packed.experiment.lanes[self.name], self._keeper
         law = LAWS[gains.law].used_by(gains)
         if law.network or law.memory or before.memory > LAWS[before.name].memory:
             same = (law.name, law.memory) == (before.name, before.memory)
             if not same and not (law.network and before.network):
-                self.work[W : W + NODES] = 0.0
+                kept = LAWS[law.name].memory if law.name == before.name else 0
+                self.work[W + kept : W + NODES] = 0.0
             self._keeper = law
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)

@@ -1,4 +1,4 @@
-"""What a disturbance observer remembers, as further states of a control period's linear map."""
+"""What a law and its observer remember, as further states of a control period's linear map."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from slidetune.robot.laws.terms.observer import LAST_V, LOSS, SPAN, UNDRIVEN
 Array = np.ndarray
 
 
-def observer_rows(law: Law, lane: Any) -> Array:
-    """Return the rows, from that of the first weight on, that a lane's observer carries on."""
+def remembered_rows(law: Law, lane: Any) -> Array:
+    """Return the rows, from that of the first weight on, that a law and its observer carry on."""
+    own = np.array(law.states, int)
     if getattr(lane, "observer", "none") == "none":
-        return np.array([], int)
-    return law.memory + np.array([LOSS, LAST_V, UNDRIVEN])
+        return own
+    return np.concatenate([own, law.memory + np.array([LOSS, LAST_V, UNDRIVEN])])
 
 
 def begin_observer(law: Law, period: float, inertia: Array, work: Array, memory: Array) -> None:

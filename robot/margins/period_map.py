@@ -58,7 +58,7 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.drives import Drives
-from slidetune.robot.margins.observer_state import begin_observer, observer_rows
+from slidetune.robot.margins.observer_state import begin_observer, remembered_rows
 from slidetune.robot.margins.timing import Timing, timing
 from slidetune.robot.motion.trajectory import reference
 
@@ -85,7 +85,7 @@ class PeriodMap:
     .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
 
     x: deviations of angle, velocity, of the torques of drives with a lag, of the weights along the
-    hidden outputs, and of what an observer remembers; u: the commanded torque.
+    hidden outputs, and of what a law and its observer remember; u: the commanded torque.
 
     Attributes:
         own: A: arm and learning without the torque. Shape (m, m).
@@ -207,14 +207,14 @@ class Around:
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, JOINTS))
-        self._memory = observer_rows(LAWS[lane.law], lane)
+        self._memory = remembered_rows(LAWS[lane.law], lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         if self._law.memory:
             self._weights = work[CURRENT + W : CURRENT + W + NODES].copy()  # as it has begun
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
-        if len(self._memory):
+        if getattr(lane, "observer", "none") != "none":
             begin_observer(LAWS[lane.law], cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
         known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
@@ -282,6 +282,7 @@ class Around:
         layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
         swing = getattr(self._lane, "swing", 0.0)
+        own = len(self._law.states) * JOINTS
         by = np.concatenate(
             [
                 np.maximum(
@@ -289,7 +290,10 @@ class Around:
                     swing / np.maximum(s_e, 1e-9),
                 ),
                 np.maximum(np.minimum(VELOCITY, WITHIN * layer / s_v), swing / s_v),
-                np.full(size - 2 * JOINTS, TORQUE),
+                np.full(known - 2 * JOINTS, TORQUE),
+                # A law's own is of the kind of S, an observer's a torque.
+                np.tile(np.minimum(VELOCITY, WITHIN * layer), len(self._law.states)),
+                np.full(size - known - own, TORQUE),
             ]
         )
         for column in (*range(2 * JOINTS), *range(first, size)):  # no law sees what a drive gives

@@ -57,10 +57,7 @@ export class NetworkLens {
         + 'give. The reaching law k₁S + k₂sw(S) supplies what f does not, and that takes an error.',
     }, this.#torque.element);
     this.#observerCard = new LensCard({
-      title: 'What the observer sees', equation: '',
-      words: 'Dashed: the torque F that the world takes, disturbance and friction. The observer '
-        + 'infers it from how the arm moved under the torque, by the model, and adds it; what it '
-        + 'misses is left to the reaching law.',
+      title: 'What the observer sees', equation: '', words: '',
     }, this.#loss.element);
     this.#networkCards = [this.#gaussianCard, this.#weightCard, this.#torqueCard];
     this.element = [...this.#networkCards, this.#observerCard].map(({element}) => element);
@@ -114,13 +111,14 @@ export class NetworkLens {
    */
   #showObserver(look, one) {
     const {seen: {network}, joint} = look;
+    this.#observerCard.words = observerWords(network);
     this.#observerCard.facts = [
       {name: 'lost', value: `${threeDigits(one.lost_rms)} N·m`,
         title: 'Root mean square of F over the second half of the run'},
       {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
       {name: 'observed', value: one.known === null ? '–' : percent(one.known)},
     ];
-    this.#observerCard.finding = observerFinding(one);
+    this.#observerCard.finding = observerFinding(one, network);
     this.#loss.draw(`Joint ${joint}: the observer’s estimate beside F`, (colors) => (
       torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, 'F')
     ));
@@ -188,15 +186,30 @@ function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
     + `needed; ${rest} N·m are left to the reaching law.`;
 }
 
-/** @param {any} one */
-function observerFinding({known, lost_rms: lost, missing_rms: missing}) {
+/** @param {any} network */
+function observerWords({observer, adds}) {
+  const lost = 'Dashed: the torque F that the world takes, disturbance and friction. ';
+  if (observer === 'twisting') {
+    return `${lost}The integral z of super-twisting comes to balance it: the curve is M·z. What it `
+      + 'misses is left to k₁|S|^½.';
+  }
+  return `${lost}The observer infers it from how the arm moved under the torque, by the model, and adds `
+    + `it${adds ? '; the curve is its estimate and M·z, the integral of super-twisting, together' : ''}. `
+    + 'What is missed is left to the reaching law.';
+}
+
+/**
+ * @param {any} one
+ * @param {any} network
+ */
+function observerFinding({known, lost_rms: lost, missing_rms: missing}, {observer}) {
   const [all, rest] = [threeDigits(lost), threeDigits(missing)];
   if (known === null) {
     return `F is zero on this joint. What is estimated, ${rest} N·m, is an error of the model, or noise.`;
   }
   if (known < 0.1) {
-    return `The estimate misses ${rest} N·m against the ${all} N·m of F: the model is off, K_o is too low `
-      + 'for how fast F changes, or noise drowns it.';
+    return `The estimate misses ${rest} N·m against the ${all} N·m of F: the model is off, `
+      + `${observer === 'twisting' ? 'k₂ is' : 'K_o is'} too low for how fast F changes, or noise drowns it.`;
   }
   return `In the second half of the run the estimate covers ${percent(known)} of the ${all} N·m of F; `
     + `${rest} N·m are left to the reaching law.`;

@@ -25,6 +25,7 @@ from slidetune.robot.kernels.workspace import (
     FLAGS,
     MEASURED_V,
     NETWORK,
+    OBSERVED,
     PERIOD,
     RIGHT,
     TAU,
@@ -81,7 +82,7 @@ class ObserverGains(Section):
 
 @kernel
 def observe_loss(block, state, own, inertia, work):  # type: ignore[no-untyped-def]
-    r"""Subtract the estimate r of -F from TAU and write -r, that of F, to NETWORK [N m].
+    r"""Subtract the estimate r of -F from TAU and add -r, that of F, to NETWORK [N m].
 
     Sampled, over the period T before this one, with :math:`a = 1 - e^{-K_o T}`:
 
@@ -104,7 +105,8 @@ def observe_loss(block, state, own, inertia, work):  # type: ignore[no-untyped-d
                 change += inertia[i, j] * (work[MEASURED_V, j] - work[memory + LAST_V, j])
             share = 1.0 if block[KIND, 0] == TIME_DELAY else 1.0 - exp(-block[RATE, i] * span)
             loss += share * (change / span + work[memory + UNDRIVEN, i] - loss)
-        work[NETWORK, i] = -loss
+        work[OBSERVED, i] = loss
+        work[NETWORK, i] -= loss
         work[TAU, i] -= loss
 
 
@@ -127,7 +129,7 @@ def advance_observer(h, block, into, own, inertia, bias, work):  # type: ignore[
     """
     memory, sampled = into + W + own, work[FLAGS, PERIOD] > 0.0
     for i in range(JOINTS):
-        loss, v, undriven = -work[NETWORK, i], 0.0, 0.0
+        loss, v, undriven = work[OBSERVED, i], 0.0, 0.0
         if sampled:
             v, undriven = work[MEASURED_V, i], bias[i] - work[TAU, i]
         else:

@@ -43,6 +43,23 @@ def test_the_estimate_stands_beside_what_is_lost(observer: str) -> None:
             assert joint["known"] == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("observer", ["none", "momentum"])
+def test_the_integral_of_super_twisting_stands_beside_what_is_lost(observer: str) -> None:
+    lane = {"law": "super_twisting", "observer": observer}
+    document = {
+        "lanes": {"A": lane},
+        "robot": {"armature": 0.3},
+        "disturbance": {"constant": LOST},
+        "simulation": {"horizon": 3.0, "initial_velocity": "desired"},
+    }
+    view = look_through(Experiment.from_document(document), "A", ["network"])["network"]
+    assert view["observer"] == ("twisting" if observer == "none" else observer)
+    assert view["adds"] is (observer != "none")
+    for joint, lost in zip(view["joints"], LOST, strict=True):
+        assert joint["missing_rms"] == pytest.approx(0.0, abs=0.02 * max(LOST))
+        assert joint["lost_rms"] == pytest.approx(lost)
+
+
 def test_friction_is_part_of_what_is_lost() -> None:
     view = seen("time_delay", viscous_friction=2.0)
     swing = np.ptp(view["joints"][0]["lost"])
