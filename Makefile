@@ -20,7 +20,7 @@ PARALLEL = -n auto --maxprocesses 4 --dist worksteal
 BUILDS_EDITABLE = hatchling editables
 
 .DEFAULT_GOAL = help
-.PHONY: help run install test coverage check format bench soak faults fuzz peers lock clean always libgomp
+.PHONY: help run install test coverage check format bench soak faults fuzz peers opensmc lock clean always libgomp
 
 help:  ## Show this list
 	@echo 'make run      then open the address that it prints'
@@ -67,6 +67,9 @@ fuzz: $(INSTALLED)  ## Send it more than 100,000 malformed inputs
 
 peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in build/)
 	$(VENV_PYTHON) -m tests.peers.compare $(ARGS)
+
+opensmc: $(INSTALLED)  ## Run the laws that OpenSMC has too, there and here
+	$(VENV_PYTHON) -m tests.peers.opensmc $(ARGS)
 
 lock:  ## Regenerate requirements.lock with the current versions
 	$(or $(PYTHON),python3) -m venv --clear $(LOCK_VENV)

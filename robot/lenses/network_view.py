@@ -24,6 +24,8 @@ TORQUE_ROWS = 500
 """Rows at which the needed torque is evaluated (*ours*)."""
 BINS = 40
 """Bars of the histogram of visited inputs (*ours*)."""
+STILL = 1e-9
+"""Span of an input in [rad] below which it stands still (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -122,8 +124,12 @@ def effective_nodes(hidden: Array) -> float:
         hidden: hidden outputs over the run. Shape (n, 10).
     """
     power = np.clip(np.linalg.eigvalsh(hidden.T @ hidden), 0.0, None)
-    total = float(power.sum())
-    return total**2 / float(np.square(power).sum()) if total > 0.0 else 0.0
+    largest = float(power.max())
+    if largest == 0.0:
+        return 0.0
+    # Of Gaussians far from all inputs even the squares may be no number any more.
+    share = power / largest
+    return float(share.sum()) ** 2 / float(np.square(share).sum())
 
 
 def _needed(packed: Packed, name: str, run: LaneRun, chosen: Array) -> Array:
@@ -164,7 +170,8 @@ def look(
     for j in range(JOINTS):
         x = inputs[:, j]
         hidden = hidden_outputs(x, centers, float(widths[j]))
-        counts = np.histogram(x, BINS, (x.min(), x.max()))[0] if np.ptp(x) > 0.0 else np.ones(1)
+        moves = float(np.ptp(x)) > STILL
+        counts = np.histogram(x, BINS, (x.min(), x.max()))[0] if moves else np.ones(1)
         asked, missing = _rms(needed[late, j]), _rms(needed[late, j] - f[late, j])
         joints.append(
             NetworkJoint(

@@ -35,14 +35,16 @@ class SlidingJoint:
         time: time of the path's points in [s]. Shape (n,).
         e: error along the path in [rad]. Shape (n,).
         de: velocity error along the path in [rad/s]. Shape (n,).
-        curve_e: error on the sliding curve S = 0 in [rad]. Shape (m,).
+        curve_e: error on the sliding curve S = 0 in [rad], NaN where S does not depend on e.
+            Shape (m,).
         curve_de: velocity error there in [rad/s]. Shape (m,).
         layer: boundary layer in [rad/s], 0 where the law has none.
-        layer_width: by how much the curves of S = layer lie beside that of S = 0 in [rad].
+        layer_width: by how much the curves of S = layer lie beside that of S = 0 in [rad],
+            ``None`` where there is no such curve.
         reaching_time: when S first came within the layer in [s], ``None`` for never.
         last_outside: when S last was outside the layer in [s], ``None`` for never.
         inside: share of the time within the layer.
-        time_constant: with which a small error dies on the curve in [s].
+        time_constant: with which a small error dies on the curve in [s], ``None`` where it stays.
     """
 
     time: Array
@@ -51,11 +53,11 @@ class SlidingJoint:
     curve_e: Array
     curve_de: Array
     layer: float
-    layer_width: float
+    layer_width: float | None
     reaching_time: float | None
     last_outside: float | None
     inside: float
-    time_constant: float
+    time_constant: float | None
 
 
 @dataclass(frozen=True)
@@ -96,13 +98,13 @@ def sliding_curve(packed: Packed, name: str, de: Array) -> Array:
         de: velocity errors in [rad/s]. Shape (n, 6).
 
     Returns:
-        Errors in [rad]. Shape (n, 6).
+        Errors in [rad], NaN of a joint whose S does not depend on e. Shape (n, 6).
     """
     probe = Probe(packed, name)
     curve = np.empty_like(de)
     for row, rate in enumerate(de):
         S, S_E, _ = probe.surface(np.zeros(JOINTS), rate)
-        curve[row] = -S / S_E
+        curve[row] = np.divide(-S, S_E, out=np.full(JOINTS, np.nan), where=S_E != 0.0)
     return curve
 
 
@@ -167,11 +169,11 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
                 curve_e=curve_e[:, j],
                 curve_de=curve_de[:, j],
                 layer=float(run.layer[j]),
-                layer_width=float(run.layer[j] / S_E[j]),
+                layer_width=float(run.layer[j] / S_E[j]) if S_E[j] else None,
                 reaching_time=reaching[j],
                 last_outside=float(time[left[-1]]) if len(left) else None,
                 inside=1.0 - _share(outside[:, j]),
-                time_constant=float(S_V[j] / S_E[j]),
+                time_constant=float(S_V[j] / S_E[j]) if S_E[j] else None,
             )
         )
     growth = _growth(packed, run, rows, outside.any(axis=1))

@@ -138,7 +138,7 @@ def _own_frequencies(loop: SwitchingLoop, term: SwitchingTerm, late: float) -> A
     found = np.full(JOINTS, np.nan)
     for joint in range(JOINTS):
         curve = response[:, joint, joint]
-        if np.any(np.abs(curve) > 0.0):
+        if term.acts(joint) and np.any(np.abs(curve) > 0.0):
             if term.twisting:
                 # As it stands before the real axis once the term has turned it.
                 size = np.abs(curve)

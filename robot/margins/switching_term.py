@@ -51,6 +51,10 @@ class SwitchingTerm:
         """Whether it is linear near S = 0."""
         return self.switching in ("tanh", "saturation")
 
+    def acts(self, joint: int) -> bool:
+        """Whether the term of a joint, from 0, is one: gains of 0 leave none of super-twisting."""
+        return not self.twisting or bool(self.root[joint] or self.rate[joint])
+
     def of(self, joints: list[int]) -> SwitchingTerm:
         """Return the terms of some of its joints, from 0."""
         return SwitchingTerm(

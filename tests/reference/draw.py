@@ -91,7 +91,7 @@ def widely(seed: int) -> Document:
     law = LAWS[seed % len(LAWS)]
     dice = random.Random(seed)
     for attempt in range(1000):
-        drawn = Draw(1000 * seed + attempt, without=_SAMPLED_ALONE).document()
+        drawn = Draw(1000 * seed + attempt, without=_SAMPLED_ALONE, prompt=0.0).document()
         lanes = [lane for lane in drawn["lanes"].values() if lane["law"] == law]
         if not lanes:
             continue

@@ -15,6 +15,8 @@ AT_A_BOUND = 0.12
 """Share of numbers that are drawn exactly at a bound (*ours*): that is where things go wrong."""
 REFUSED = 0.15
 """Share of experiments in which combinations that may be refused are left as drawn (*ours*)."""
+PROMPT = 0.5
+"""Share of experiments whose drives have no lag (*ours*): most loops have none, and few draws."""
 LANES = 3
 """Most lanes of a drawn experiment (*ours*)."""
 STEPS = 20_000
@@ -28,15 +30,16 @@ SHORTEST = 0.1
 class Draw:
     """Draws documents from the schema of ``Experiment``."""
 
-    def __init__(self, seed: int, without: tuple[str, ...] = ()) -> None:
+    def __init__(self, seed: int, without: tuple[str, ...] = (), prompt: float = PROMPT) -> None:
         """Draw always the same for the same seed.
 
         Args:
             seed: what the draws follow.
             without: options that are not to be drawn.
+            prompt: share of experiments whose drives have no lag.
         """
         self._dice = random.Random(seed)
-        self._without = without
+        self._without, self._prompt = without, prompt
         self._schema = Experiment.model_json_schema()
 
     def document(self) -> Document:
@@ -49,6 +52,8 @@ class Draw:
         simulation["horizon"] = self._horizon(simulation)
         if self._dice.random() > REFUSED:
             self._avoid_refusal(drawn)
+        if self._dice.random() < self._prompt:
+            drawn["robot"]["lag"] = 0.0
         return drawn
 
     def _avoid_refusal(self, drawn: Document) -> None:

@@ -107,7 +107,9 @@ function energyFacts({growing, outside, turns, quiet_turns: quiet, joints}) {
 function planeFacts(one, sign) {
   const {layer, reaching_time: reached, last_outside: left, inside} = one;
   const constant = {
-    name: 'on the line', value: `time constant ${threeDigits(one.time_constant)} s`,
+    name: 'on the line',
+    value: one.time_constant === null ? 'e stays: S does not depend on it'
+      : `time constant ${threeDigits(one.time_constant)} s`,
     title: '(∂S/∂de) / (∂S/∂e) for a small error: c/ν, or 1/λ',
   };
   if (!layer) return [constant];
@@ -233,7 +235,7 @@ function live(colors, trail, color) {
  */
 function notes(colors, one, x, y) {
   const seen = one.curve_e.findIndex((/** @type {number} */ e, /** @type {number} */ index) => (
-    e < 0.8 * x[1] && one.curve_de[index] > 0.85 * y[0]
+    e !== null && e < 0.8 * x[1] && one.curve_de[index] > 0.85 * y[0]
   ));
   if (seen < 0) return [];
   return [{

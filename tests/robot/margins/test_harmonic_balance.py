@@ -112,6 +112,16 @@ def test_super_twisting_swings_as_fast_and_as_far_as_predicted(
     assert cycle.amplitude == pytest.approx(0.5 * np.ptp(S[len(S) // 2 :]), rel=0.25)
 
 
+def test_a_joint_whose_super_twisting_gains_are_0_does_not_swing() -> None:
+    unit = CASES[0]._replace(kappa=1.0, disturbance=0.0)
+    root, rate = np.full(JOINTS, 15.0), np.full(JOINTS, 110.0)
+    root[2] = rate[2] = root[4] = 0.0
+    cycles = limit_cycles(six(unit), SwitchingTerm("twisting", np.ones(JOINTS), root, rate))
+    assert cycles[2] is None
+    assert cycles[3] is not None
+    assert np.isfinite(cycles[3].phasors).all()
+
+
 @pytest.mark.parametrize("share", [0.3, 0.6])
 @pytest.mark.parametrize("case", CASES)
 def test_tanh_within_a_thin_layer_swings_as_predicted(case: Scalar, share: float) -> None:

@@ -15,6 +15,7 @@ from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.lenses import look_through
 from slidetune.robot.loop.accuracy import GOOD, difference
 from slidetune.robot.loop.response import lane_response
 from slidetune.robot.loop.simulate import LaneRun, Run, simulate
@@ -28,7 +29,8 @@ from tests.trust.random_experiment import Document, Draw
 
 COLUMNS = ("q", "v", "tau", "S", "f", "weights", "e", "de", "flange")
 JUDGED = 5
-"""Every so many experiments one is run again at a quarter of its step (*ours*)."""
+"""Every so many experiments one is run again at a quarter of its step, and looked at through every
+lens (*ours*)."""
 WILD = 0.1
 """Estimated error in [rad] from which on a motion is called chaotic, and not judged (*ours*); nor
 is one that says that its estimate is only the least."""
@@ -92,7 +94,8 @@ def run_whole(document: Document, judged: bool = False) -> str:
 
     Args:
         document: the experiment.
-        judged: whether its error is held against what it says of it, by a finer run.
+        judged: whether its error is held against what it says of it, by a finer run, and its first
+            lane looked at through every lens.
 
     Returns:
         ``ran``, ``froze`` or ``refused``; anything else is a broken promise in words.
@@ -112,8 +115,10 @@ def run_whole(document: Document, judged: bool = False) -> str:
     packed = pack(experiment)
     for name in experiment.lanes:
         told[name] = [asdict(note) for note in advice_on(packed, name)], worst_margin(packed, name)
-    json.dumps(told, allow_nan=False)
     first = next(iter(experiment.lanes))
+    if judged:
+        told["lenses"] = look_through(experiment, first)
+    json.dumps(told, allow_nan=False)
     encode_responses({}, {first: lane_response(experiment, first)})
     return "froze" if any(lane.freeze for lane in run.lanes.values()) else "ran"
 
@@ -172,6 +177,11 @@ def _one_live(http: httpx.Client, live: Follower, document: Document, number: in
         whole = http.post("/api/preview", json={"estimate": False})
         if whole.status_code != 200:
             return f"its whole response: {whole.status_code}"
+        lane = next(iter(document["lanes"]))
+        seen = http.post("/api/lens", json={"lane": lane})
+        if seen.status_code != 200:
+            return f"its lenses: {seen.status_code}"
+        strict_json(seen.content)
     lanes = live.state["lanes"].values()
     silent = [lane for lane in lanes if lane["status"] == "frozen" and not lane["cause"]]
     if silent:
@@ -208,7 +218,8 @@ FAULTS = (
         "random-runs",
         "Random experiments within the schema's bounds, whole runs",
         "Each runs, freezes with a cause, or is refused by the field's name; none crashes; each "
-        "tells its error, which a run at a quarter of its step (of every fifth) bears out",
+        "tells its error, which a run at a quarter of its step (of every fifth) bears out; every "
+        "lens takes it (of every fifth)",
         run_random,
     ),
     Fault(

@@ -19,7 +19,11 @@ from tests.trust.fuzz.yaml import yaml_input
 
 START = {
     "title": "short",
-    "lanes": {"A": {"law": "nftsm"}, "a.b": {"law": "smc"}},
+    "robot": {"lag": 0.004},
+    "lanes": {
+        "A": {"law": "nftsm", "switching": "sign", "observer": "momentum"},
+        "a.b": {"law": "super_twisting"},
+    },
     "simulation": {"horizon": 0.2, "step": 0.002},
 }
 """What is live: short, so that whole responses cost little."""

@@ -12,6 +12,7 @@ from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.margin import worst_margin
 from tests.trust.fuzz.values import TEXTS, wrong
 from tests.trust.fuzz.verdict import crash, unclear, words
@@ -21,6 +22,9 @@ _LANES = {
     "NFTSM": {"law": "nftsm", "k1": [1, 2, 3, 4, 5, 6]},
     "A": {"law": "rbfnn_nftsm"},
     "a.b": {"law": "computed_torque"},
+    "twisting": {"law": "super_twisting"},
+    "integral": {"law": "integral_smc"},
+    "adaptive": {"law": "adaptive_smc"},
 }
 
 
@@ -67,7 +71,7 @@ def _made(random: Random) -> Any:
 
 def _lanes(random: Random) -> Any:
     """Return a patch that adds, renames, removes lanes or changes their law."""
-    laws = ("nftsm", "smc", "rbfnn_smc", "rbfnn_nftsm", "computed_torque", "sliding")
+    laws = (*LAWS, "sliding")
     names = (*_LANES, *TEXTS)
     changes: tuple[Any, ...] = (None, {}, {"law": random.choice(laws)}, {"nu": 2}, wrong(random))
     count = random.choice((1, 2, 3, 7))
