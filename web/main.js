@@ -42,7 +42,7 @@ const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics'
 mountSkipLinks(part('skip'), part('workspace'));
 mountHeader(part('header'), api, history, presets, mountImport(api, history, tell));
 mountBanner(part('banner'), api);
-mountControls(parts.tune, api, history, tell);
+mountControls(parts.tune, api, history, tell, preview);
 mountScene(part('scene'), api, pressed);
 mountTransport(part('transport'), api);
 mountScrub(part('transport'), api, history, tell);

@@ -10,9 +10,14 @@
  *   patch: import('../fields/merge_patch.js').Document|null}} Accuracy
  */
 /**
+ * How a lane keeps to the goals: value over bound by name, null where it can't be told.
+ * @typedef {{ratios: {[goal: string]: number|null}, hard: number|null, soft: number|null,
+ *   score: number|null, kept: boolean, met: boolean, worst: string}} Verdict
+ */
+/**
  * One lane over the horizon, thinned to its extremes; NaN after it left its bounds.
  * @typedef {{name: string, time: Float32Array, columns: Map<string, Float32Array>,
- *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy}} LaneResponse
+ *   metrics: Figures, frozen: Frozen|null, accuracy: Accuracy, goals: Verdict}} LaneResponse
  */
 /**
  * `hold`: for so long in [s] a sampled controller holds a torque, 0 where nothing is sampled;
@@ -40,12 +45,12 @@ export function decodedResponse(buffer) {
     return values;
   };
   /** @type {Map<string, LaneResponse>} */ const lanes = new Map();
-  for (const {name, points, path_points: pathPoints, metrics, frozen, accuracy} of head.lanes) {
+  for (const {name, points, path_points: pathPoints, metrics, frozen, accuracy, goals} of head.lanes) {
     const time = column(points);
     /** @type {string[]} */ const channels = head.channels;
     const columns = new Map(channels.map((channel) => [channel, column(points)]));
     offset += PATH_COLUMNS * pathPoints * NUMBER_BYTES;
-    lanes.set(name, {name, time, columns, metrics, frozen, accuracy});
+    lanes.set(name, {name, time, columns, metrics, frozen, accuracy, goals});
   }
   const {revision, estimated, horizon, hold} = head;
   return {revision, estimated, horizon, hold, lanes};

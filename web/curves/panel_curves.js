@@ -15,7 +15,10 @@ import {extent, wanted} from './y_range.js';
 /** @typedef {import('./y_range.js').Range} Range */
 /** @typedef {{time: number, text: string}} Freeze */
 /** @typedef {{x: number, y: number, text: string}} Cross */
-/** @typedef {{name?: string, width?: number, dash?: string, opacity?: number, quiet?: boolean}} Look */
+/**
+ * @typedef {{name?: string, width?: number, dash?: string, opacity?: number, quiet?: boolean,
+ *   tone?: 'good'|'bad'|'muted'}} Look `tone`: a colour of the theme in place of the lane's
+ */
 /**
  * `look` says what the trace's role doesn't, `quiet`: the pointer passes over it; `steps`: each
  * value holds until the next.

@@ -9,6 +9,7 @@ import {mount as mountLanes} from './lanes.js';
 import {leaves} from '../fields/merge_patch.js';
 import {SCHEMA} from '../api/schema_document.js';
 import {Schema} from '../fields/schema.js';
+import {Goals} from '../goals/goals.js';
 import {Group, SectionGroup} from '../controls/section.js';
 
 /** @typedef {import('../controls/control.js').Control} Control */
@@ -22,8 +23,9 @@ const ORDER = ['Sliding surface', 'Reaching', 'RBF network', 'PD'];
  * @param {import('../api/api.js').Api} api
  * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
+ * @param {import('../api/preview.js').Preview} preview
  */
-export function mount(place, api, history, tell) {
+export function mount(place, api, history, tell, preview) {
   const about = mountAbout(api);
   const lanes = element('section', {class: 'lanes', 'aria-label': 'Lanes'});
   const gains = element('section', {class: 'gains', 'aria-label': 'Gains of the selected lane'});
@@ -33,6 +35,7 @@ export function mount(place, api, history, tell) {
     const schema = new Schema(SCHEMA);
     mountLanes(lanes, api, history, schema, tell);
     new Tuning(schema, api, history, tell).mount(place, gains, rest);
+    rest.append(new Goals(api, history, preview).element);
   }, {once: true});
 }
 

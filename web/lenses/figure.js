@@ -5,7 +5,7 @@ import {element} from '../dom/element.js';
 import {library, themeOf} from '../plots/figure.js';
 import {RedrawPace} from '../screen/redraw_pace.js';
 
-/** @typedef {import('../plots/figure.js').Theme & {good: string, bad: string, accent: string}} Colors */
+/** @typedef {import('../plots/figure.js').Theme & {accent: string}} Colors */
 /** @typedef {{data: object[], layout: {[name: string]: any}}} Figure */
 /** @typedef {(colors: Colors, width: number) => Figure} Build */
 
@@ -122,7 +122,7 @@ function colorsOf(place) {
   const style = getComputedStyle(place);
   const color = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
   return {
-    ...themeOf(place), good: color('--good'), bad: color('--danger'), accent: color('--accent'),
+    ...themeOf(place), accent: color('--accent'),
   };
 }
 

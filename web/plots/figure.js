@@ -46,6 +46,8 @@ export function themeOf(element) {
     zero: color('--border-strong', '#c9ced6'),
     background: color('--surface', '#ffffff'),
     desired: color('--text', '#191d23'),
+    good: color('--good', '#1a7a48'),
+    bad: color('--danger', '#b8281f'),
     font: style.fontFamily,
   };
 }
@@ -95,7 +97,9 @@ export function figure(drawing) {
  */
 function line(drawing, {panel}, {trace, x, y, steps}, index) {
   const desired = trace.role === 'desired';
-  const color = desired ? drawing.theme.desired : colorOf(drawing, trace.lane);
+  const tone = trace.look?.tone;
+  const own = desired ? drawing.theme.desired : colorOf(drawing, trace.lane);
+  const color = tone ? drawing.theme[tone] : own;
   const {
     name = desired ? 'desired' : trace.lane, dash = desired ? '6px,4px' : 'solid', opacity = 1,
     width = desired ? 1.4 : trace.lane === drawing.selected ? 2 : 1.3, quiet = false,

@@ -4,6 +4,7 @@
 import {isSampledEvery} from '../curves/panel_curves.js';
 import {calmOnTop} from '../curves/trace_order.js';
 import {extent, wanted} from '../curves/y_range.js';
+import {boundsOf} from '../goals/bounds.js';
 
 /** @typedef {import('../api/preview_message.js').LaneResponse} LaneResponse */
 /** @typedef {import('../api/preview_message.js').Response} Response */
@@ -15,9 +16,10 @@ import {extent, wanted} from '../curves/y_range.js';
 /** @typedef {{lane: LaneResponse, curve: Curve}} Traced */
 /**
  * `lanes`: those to show, of the live experiment and, where only a baseline has them, others;
- * `before`: the one before the last change.
+ * `before`: the one before the last change; `goals`: those of the experiment.
  * @typedef {{panels: ResponsePanel[], current: Response|null, pinned: Pinned[],
- *   before: Response|null, shows: (lane: string) => boolean, window: Range}} ResponseSheet
+ *   before: Response|null, goals: {[name: string]: import('../goals/words.js').Goal},
+ *   shows: (lane: string) => boolean, window: Range}} ResponseSheet
  */
 
 const BASELINE_WIDTH = 1;
@@ -30,6 +32,8 @@ const DASHES = '6px,4px';
 const BEFORE = {width: 4, opacity: 0.4, quiet: true};
 /** How far it may stretch a range: the present curves keep a fifth of the height. Ours. */
 const BEFORE_STRETCH = 4;
+/** The same of a goal's bound: the curves keep a quarter. Ours. */
+const BOUND_STRETCH = 3;
 /** @type {WeakMap<Float32Array, Float32Array>} columns in the units that are shown */
 const scaled = new WeakMap();
 
@@ -42,15 +46,38 @@ export function responsePanels(sheet, ranges) {
   return sheet.panels.map((panel) => {
     const {now, then, before} = tracesOf(sheet, panel);
     const over = (/** @type {Traced[]} */ list) => calmOnTop(list.map(({curve}) => curve));
-    const curves = [...over(before), ...over(then), ...over(now)];
-    const range = ranges.linear(
-      panel.id, dataRange([...then, ...now], before, sheet.window), panel,
-    );
+    const bounds = boundsOf(sheet.goals, panel, sheet.current, sheet.shows);
+    const curves = [...over(before), ...over(then), ...over(now), ...bounds.map(boundCurve)];
+    const data = dataRange([...then, ...now], before, sheet.window);
+    const range = ranges.linear(panel.id, withBounds(data, bounds), panel);
     for (const {cross} of curves) {
       if (cross) cross.y = Math.min(Math.max(cross.y, range[0]), range[1]);
     }
     return {panel: {...panel, traces: []}, curves, range};
   });
+}
+
+/**
+ * @param {import('../goals/bounds.js').Bound} bound
+ * @param {number} index
+ * @returns {Curve}
+ */
+function boundCurve({name, x, y, kept}, index) {
+  const tone = kept === null ? 'muted' : kept ? 'good' : 'bad';
+  // Its colour is part of what it is: the plot is drawn anew where that changes.
+  const trace = {lane: '', role: `bound${index}${tone}`, look: {
+    name, width: 1.6, dash: '7px,3px', tone: /** @type {'good'} */ (tone), quiet: true,
+  }};
+  return {trace, x, y, cross: null};
+}
+
+/**
+ * @param {Range} range
+ * @param {import('../goals/bounds.js').Bound[]} bounds
+ * @returns {Range} with the bounds in it, unless they would flatten the curves
+ */
+function withBounds(range, bounds) {
+  return wanted([range], bounds.map(({y}) => /** @type {Range} */ ([y[0], y[0]])), BOUND_STRETCH);
 }
 
 /**

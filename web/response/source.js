@@ -97,7 +97,9 @@ export class ResponseSource {
     return {
       panels: view.panels(joints), current: this.#preview.latest,
       before: this.#before.isShown ? this.#before.response : null,
-      pinned: this.#baselines.pinned, shows: (lane) => !hidden.has(lane),
+      goals: this.#api.experiment.goals ?? {},
+      pinned: this.#baselines.pinned,
+      shows: (lane) => !hidden.has(lane),
       window: this.window.range,
     };
   }

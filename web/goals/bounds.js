@@ -1,0 +1,48 @@
+// @ts-check
+/** The goals of a response as lines in its plots: where they hold, and at which value. */
+
+import {boundedBy} from './words.js';
+
+/** @typedef {import('./words.js').Goal} Goal */
+/** @typedef {import('../api/preview_message.js').Response} Response */
+/** @typedef {import('../response/views.js').ResponsePanel} ResponsePanel */
+/**
+ * `kept` by every lane that is shown; null where there is no response to tell.
+ * @typedef {{name: string, x: Float64Array, y: Float64Array, kept: boolean|null}} Bound
+ */
+
+/**
+ * @param {{[name: string]: Goal}} goals
+ * @param {ResponsePanel} panel
+ * @param {Response|null} response
+ * @param {(lane: string) => boolean} shows
+ * @returns {Bound[]} two of each goal where the panel shows negative values as well
+ */
+export function boundsOf(goals, panel, response, shows) {
+  const horizon = response?.horizon ?? 0;
+  return Object.entries(goals).flatMap(([name, goal]) => {
+    if (goal.kind !== 'response' || !concerns(goal, panel.channel)) return [];
+    const [start, end] = [goal.start ?? 0, Math.min(goal.end ?? horizon, horizon)];
+    if (start >= end) return [];
+    const ratios = [...response?.lanes ?? []].filter(([lane]) => shows(lane))
+      .map(([, lane]) => lane.goals?.ratios[name]);
+    const known = ratios.length > 0 && ratios.every((ratio) => ratio !== undefined);
+    const kept = known ? ratios.every((ratio) => typeof ratio === 'number' && ratio <= 1) : null;
+    const value = goal.bound * boundedBy(goal).factor;
+    const signs = panel.positive ? [1] : [1, -1];
+    return signs.map((sign) => ({
+      name, x: Float64Array.of(start, end), y: Float64Array.of(sign * value, sign * value), kept,
+    }));
+  });
+}
+
+/**
+ * @param {Goal} goal
+ * @param {string} channel of a panel, such as `e2`
+ */
+function concerns({channel = '', joint}, channelOfPanel) {
+  if (channel === channelOfPanel) return true;
+  if (!channelOfPanel.startsWith(channel)) return false;
+  const of = Number(channelOfPanel.slice(channel.length));
+  return Number.isInteger(of) && of > 0 && (joint === 0 || joint === of);
+}
