@@ -9,7 +9,13 @@ import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.lenses.instants import along, balance_at, common_threshold, thresholds_of
+from slidetune.robot.lenses.instants import (
+    along,
+    balance_at,
+    common_threshold,
+    silent_from,
+    thresholds_of,
+)
 from slidetune.robot.lenses.prediction import MEASURED
 from slidetune.robot.lenses.screen import document
 from slidetune.robot.loop.response import only_lane
@@ -24,7 +30,8 @@ class Threshold:
 
     Attributes:
         common: one for all joints, ``None`` where none silences them or there is no limit cycle.
-        joints: one for each, those that lock widened together. Six, or ``None`` as above.
+        joints: one for each, those that lock widened together, ``None`` as above. Six where the
+            lane has a layer for each, else none: they take ten times as long.
     """
 
     common: float | None
@@ -55,9 +62,12 @@ def threshold_of(experiment: Experiment, name: str, stop: Array | None = None) -
     period = experiment.simulation.row_period
     rows = round(experiment.simulation.horizon / period) + 1
     first = int(rows * (1.0 - MEASURED))
-    instants = [
-        balance_at(packed, name, row * period, how_far=False)
-        for row in along(packed, first, rows - 1, still=True)
-    ]
-    found = Threshold(common_threshold(name, instants), tuple(thresholds_of(name, instants)))
-    return {"threshold": document(found)}
+    times = [row * period for row in along(packed, first, rows - 1, still=True)]
+    if isinstance(lane.epsilon, tuple):
+        instants = [balance_at(packed, name, time, how_far=False) for time in times]
+        joints = tuple(thresholds_of(name, instants))
+        return {"threshold": document(Threshold(common_threshold(name, instants), joints))}
+    layers, swings = zip(*(silent_from(packed, name, time) for time in times), strict=True)
+    known = [layer for layer in layers if layer is not None]
+    common = max(known) if any(swings) and len(known) == len(times) else None
+    return {"threshold": document(Threshold(common, ()))}

@@ -87,6 +87,18 @@ class LimitCycle:
         return np.asarray(loop.folded(omega) * (loop.response(omega)[:, joint] @ self.phasors))
 
 
+def swing_frequencies(loop: SwitchingLoop, term: SwitchingTerm) -> Array:
+    """Return where each joint alone would swing in [rad/s], NaN for nowhere. Shape (6,).
+
+    Where one of them does there is a limit cycle, and this takes a tenth of its time.
+
+    Args:
+        loop: the loop around the switching terms.
+        term: these of all six joints.
+    """
+    return _own_frequencies(loop, term, 0.0)
+
+
 def limit_cycles(
     loop: SwitchingLoop, term: SwitchingTerm, *, how_far: bool = True
 ) -> tuple[LimitCycle | None, ...]:

@@ -95,9 +95,9 @@ def lens_router(app_state: AppState) -> APIRouter:
     async def threshold(request: Request, wanted: Annotated[LaneRequest, Body()]) -> Response:
         """Return the boundary layer from which on a lane is silent, without a run.
 
-        ``threshold``: ``common`` for all joints and ``joints``, one for each, in [rad/s], as the
-        lens ``prediction`` has them; ``null`` where nothing switches, where the law has no layer,
-        and where only a run tells its gain.
+        ``threshold``: ``common`` for all joints and, where the lane has a layer for each,
+        ``joints``, in [rad/s], as the lens ``prediction`` has them; ``null`` where nothing
+        switches, where the law has no layer, and where only a run tells its gain.
         """
         revision = app_state.document.revision
         experiment = app_state.experiment_of(wanted.experiment, wanted.patch)

@@ -9,8 +9,8 @@ import {isWatching} from '../api/watch_only.js';
 
 /** @typedef {import('../fields/schema.js').Field} Field */
 /**
- * Boundary layers in [rad/s] from which on a lane is silent: one for all joints, or one for each;
- * `key`: what they depend on.
+ * Boundary layers in [rad/s] from which on a lane is silent: one for all joints, and one for each
+ * where that is known; `key`: what they depend on.
  * @typedef {{lane: string, key: string, threshold: number|null, joints: (number|null)[]}} Silence
  */
 
@@ -58,7 +58,16 @@ class SilenceMark {
   }
 
   /** The selected lane's threshold, if it is known. */
-  get #known() { return this.#silence?.key === this.#key ? this.#silence : null; }
+  get #known() {
+    if (this.#silence?.key !== this.#key) return null;
+    return this.#each && !this.#silence.joints.length ? null : this.#silence;
+  }
+
+  /** Whether its joints have layers of their own. */
+  get #each() {
+    const {experiment, selected} = this.#api;
+    return Array.isArray(experiment.lanes?.[selected]?.epsilon);
+  }
 
   /** @param {Silence} silence of whatever lane, as it was when it was looked at */
   #take(silence) {
@@ -78,12 +87,12 @@ class SilenceMark {
 
   async #ask() {
     if (this.#busy || this.#known) return;
-    const [lane, key] = [this.#api.selected, this.#key];
+    const [lane, key, each] = [this.#api.selected, this.#key, this.#each];
     this.#busy = true;
     try {
       const {threshold} = await this.#api.runs.threshold(lane);
       // Of what only a run tells the lens may have told meanwhile.
-      if (threshold || !this.#known) {
+      if (each === this.#each && (threshold || !this.#known)) {
         this.#take({lane, key, threshold: threshold?.common ?? null, joints: threshold?.joints ?? []});
       }
     } catch {
@@ -101,12 +110,13 @@ class SilenceMark {
     const field = this.#fieldAt(path);
     if (!control || !field) { this.#note.remove(); return; }
     const known = this.#known;
-    const {epsilon, switching} = experiment.lanes?.[selected] ?? {};
-    const each = Array.isArray(epsilon);
+    const {switching} = experiment.lanes?.[selected] ?? {};
+    const each = this.#each;
     const sliders = /** @type {NodeListOf<HTMLInputElement>} */ (control.querySelectorAll('.slider'));
     for (const slider of sliders) {
       const joint = Number(slider.closest('.joint-row')?.getAttribute('data-joint') ?? 0);
-      const value = joint ? known?.joints[joint - 1] : each ? null : known?.threshold;
+      const own = known?.joints.length ? known.joints[joint - 1] : known?.threshold;
+      const value = joint ? own : each ? null : known?.threshold;
       slider.classList.toggle('is-silence-marked', Boolean(value));
       if (value) slider.style.setProperty('--silence', String(fraction(value, field)));
     }

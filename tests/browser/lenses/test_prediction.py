@@ -109,6 +109,19 @@ def test_the_slider_is_marked_without_the_lens_and_anew_for_another_loop(
     expect(note).to_contain_text(f"Silent from ε* = {threshold(dashboard, 'tanh'):.3g}")
 
 
+def test_a_layer_for_each_joint_is_asked_for_as_soon_as_there_is_one(
+    page: Page, dashboard: Dashboard
+) -> None:
+    dashboard.client.post("api/presets/chattering-sign/load").raise_for_status()
+    patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})
+    page.goto(dashboard.url)
+    expect(epsilon_of(page, LANE)[1]).to_contain_text("ε*")
+    patch(dashboard, {"lanes": {LANE: {"epsilon": [0.03] * 5 + [0.04]}}})
+    rows = page.locator(f'.control[data-path="lanes.{LANE}.epsilon"] .joint-row')
+    expect(rows.locator(".slider.is-silence-marked")).to_have_count(6)
+    expect(epsilon_of(page, LANE)[1]).to_contain_text("each joint")
+
+
 def test_a_drag_is_over_before_the_threshold_is_asked_for(page: Page, dashboard: Dashboard) -> None:
     dashboard.client.post("api/presets/chattering-sign/load").raise_for_status()
     patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})

@@ -27,7 +27,12 @@ def test_it_is_that_of_the_lens(preset: str, lane: str) -> None:
         assert found is None
         return
     assert found["common"] == view["threshold"]
-    assert found["joints"] == [joint["threshold"] for joint in view["joints"]]
+    assert found["joints"] == []
+    epsilon = experiment.lanes[lane].epsilon
+    each = experiment.patched({"lanes": {lane: {"epsilon": [epsilon] * 5 + [1.1 * epsilon]}}})
+    several = threshold_of(each, lane)["threshold"]
+    assert several["common"] == view["threshold"]
+    assert several["joints"] == [joint["threshold"] for joint in view["joints"]]
 
 
 @pytest.mark.parametrize(

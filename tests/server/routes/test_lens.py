@@ -143,7 +143,7 @@ def test_the_threshold_is_that_of_the_lens_and_needs_no_run(served: Served) -> N
     assert answer["revision"] == served.app_state.document.revision
     assert answer["lane"] == "tanh"
     assert answer["threshold"]["common"] == lens["threshold"]
-    assert answer["threshold"]["joints"] == [joint["threshold"] for joint in lens["joints"]]
+    assert answer["threshold"]["joints"] == []
     for body in ({}, {"lane": "Nobody"}, {"lane": "tanh", "lenses": ["sliding"]}):
         response = served.http.post("/api/threshold", json=body)
         assert response.status_code == 422
