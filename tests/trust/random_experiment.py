@@ -7,6 +7,7 @@ import random
 from typing import Any
 
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.goals.section import OF_THE_WHOLE_ARM
 
 Schema = dict[str, Any]
 Document = dict[str, Any]
@@ -23,6 +24,8 @@ STEPS = 20_000
 """Steps of the arm that a run may take, where its shortest horizon allows (*ours*)."""
 LONGEST = 0.5
 """Longest horizon in [s] (*ours*)."""
+GOALS = 2
+"""Most goals of a drawn experiment (*ours*)."""
 SHORTEST = 0.1
 """Shortest horizon that the schema takes in [s]."""
 
@@ -44,7 +47,8 @@ class Draw:
 
     def document(self) -> Document:
         """Return an experiment within its bounds, of which a combination may still be refused."""
-        drawn: Document = self._object(self._schema, skip={"lanes", "title", "description"})
+        apart = {"lanes", "goals", "uncertainty", "title", "description"}
+        drawn: Document = self._object(self._schema, skip=apart)
         variants = self._schema["properties"]["lanes"]["additionalProperties"]
         names = [f"Lane {n + 1}" for n in range(self._dice.randint(1, LANES))]
         drawn["lanes"] = {name: self._value(variants) for name in names}
@@ -54,7 +58,25 @@ class Draw:
             self._avoid_refusal(drawn)
         if self._dice.random() < self._prompt:
             drawn["robot"]["lag"] = 0.0
+        # Last, so that what is run is drawn as without them.
+        drawn["goals"] = {
+            f"Goal {n + 1}": self._goal() for n in range(self._dice.randint(0, GOALS))
+        }
+        drawn["uncertainty"] = self._uncertainty()
         return drawn
+
+    def _goal(self) -> Document:
+        goal: Document = self._value(self._schema["properties"]["goals"]["additionalProperties"])
+        if goal.get("channel", goal.get("figure")) in OF_THE_WHOLE_ARM:
+            goal["joint"] = 0
+        if goal["kind"] == "response":
+            goal["start"], goal["end"] = sorted(self._dice.sample(range(120), 2))
+        return goal
+
+    def _uncertainty(self) -> Document:
+        drawn: Document = self._value(self._schema["properties"]["uncertainty"])
+        ranges = {name: sorted(ends) for name, ends in drawn.items() if isinstance(ends, list)}
+        return {**drawn, **ranges}
 
     def _avoid_refusal(self, drawn: Document) -> None:
         """Change the combinations that are known to be refused."""
