@@ -169,12 +169,12 @@ class Lane:
         """Take other gains, law, arm or trajectory from the next step on; the state goes on.
 
         What another law left as its memory is not this one's. Weights go on under another law with
-        a network, a law whose observer is switched keeps its own, and one that needs neither leaves
-        both as they are, but for what an observer remembers: that is of the moment.
+        a network, and one that needs none leaves them as they are. A law whose observer is switched
+        keeps its own memory; all others are of the moment: no law finds the one that it once left.
         """
         gains, before = packed.experiment.lanes[self.name], self._keeper
         law = LAWS[gains.law].used_by(gains)
-        if law.network or law.memory or before.memory > LAWS[before.name].memory:
+        if law.network or law.memory or before.memory:
             same = (law.name, law.memory) == (before.name, before.memory)
             if not same and not (law.network and before.network):
                 kept = LAWS[law.name].memory if law.name == before.name else 0

@@ -67,7 +67,9 @@ def lens_router(app_state: AppState) -> APIRouter:
         ``sliding``: each joint's (e, de) plane with its sliding curve, and V over time.
         ``network``: the Gaussians over the inputs visited, the weights, and f beside the torque
         that an exact model would have needed; of a law with a disturbance observer
-        (``observer``) its estimate f beside the true F; ``null`` with neither.
+        (``observer``) its estimate f beside the true F, to which super-twisting adds M z
+        (``adds``); of super-twisting without one M z alone (``observer`` is ``twisting``);
+        ``null`` with none of these.
         ``chattering``: the torque's spectrum, total variation, switches and share above 50 Hz.
         ``prediction``: each joint's limit cycle by harmonic balance beside the measured one, its
         Nyquist curve, and the boundary layer that silences it; ``null`` where nothing switches.

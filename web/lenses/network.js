@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * The network lens: what the Gaussians see, what the weights keep, what f has learnt; or what a
- * disturbance observer has seen.
+ * The network lens: what the Gaussians see, what the weights keep, what f has learnt; or F beside
+ * what a disturbance observer, or the integral of super-twisting, makes of it.
  */
 
 import {plain} from '../plots/figure.js';
@@ -57,7 +57,7 @@ export class NetworkLens {
         + 'give. The reaching law k₁S + k₂sw(S) supplies what f does not, and that takes an error.',
     }, this.#torque.element);
     this.#observerCard = new LensCard({
-      title: 'What the observer sees', equation: '', words: '',
+      title: 'What the model lacks', equation: '', words: '',
     }, this.#loss.element);
     this.#networkCards = [this.#gaussianCard, this.#weightCard, this.#torqueCard];
     this.element = [...this.#networkCards, this.#observerCard].map(({element}) => element);
@@ -116,10 +116,10 @@ export class NetworkLens {
       {name: 'lost', value: `${threeDigits(one.lost_rms)} N·m`,
         title: 'Root mean square over the second half of the run'},
       {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
-      {name: 'observed', value: one.known === null ? '–' : percent(one.known)},
+      {name: 'covered', value: one.known === null ? '–' : percent(one.known)},
     ];
     this.#observerCard.finding = observerFinding(one, network);
-    this.#loss.draw(`Joint ${joint}: the observer’s estimate beside what the model lacks`, (colors) => (
+    this.#loss.draw(`Joint ${joint}: the estimate beside what the model lacks`, (colors) => (
       torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, ['lacking', 'estimate'])
     ));
   }

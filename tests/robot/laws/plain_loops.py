@@ -23,8 +23,9 @@ class PlainLoop:
     """One lane of an experiment without friction and limits, under a constant disturbance.
 
     Attributes:
-        torque: ``(t, q, v, memory)`` returns the torque and how fast each row of memory changes.
-        memory: the memory at the beginning. Shape (1, 6).
+        torque: ``(t, q, v, memory)`` returns the torque of the law alone, and how fast its memory
+            changes.
+        memory: the memory at the beginning. Shape (6,).
     """
 
     def __init__(self, document: dict[str, Any]) -> None:
@@ -40,6 +41,8 @@ class PlainLoop:
         q_d, v_d, _ = self.motion(0.0)
         self.q, self.v = q_d - _wide(self.simulation["initial_error"]), v_d
         self.torque: Callable[..., tuple[Array, Array]] = getattr(self, self.lane["law"])
+        rates = {"none": 0.0, "momentum": self.lane["observer_rate"], "time_delay": np.inf}
+        self.rate = _wide(rates[self.lane["observer"]])
         self.memory = np.zeros(JOINTS)
         if self.lane["law"] == "integral_smc":
             e, de = q_d - self.q, v_d - self.v
@@ -90,34 +93,53 @@ class PlainLoop:
             memory = np.clip(memory, -_wide(lane["z_max"]), _wide(lane["z_max"]))
         return memory
 
-    def sampled(self) -> tuple[Array, Array, Array]:
-        """Return angles, torques and memory at each sample. Shapes (n, 6)."""
+    def sampled(self) -> tuple[Array, Array, Array, Array]:
+        """Return angles, torques, memory and the estimate of F at each sample. Shapes (n, 6)."""
         rows, period = [], 1.0 / self.simulation["control_rate"]
         steps = self.simulation["plant_substeps"]
         h, q, v, memory = period / steps, self.q.copy(), self.v.copy(), self.memory
+        # What the nominal arm would have been short of over the period before, low-pass filtered.
+        keep, estimate, before = np.exp(-self.rate * period), np.zeros(JOINTS), None
         for sample in range(round(self.simulation["horizon"] / period) + 1):
+            if before is not None:
+                start, torque, bias = before
+                inertial = self._by_model(q, 0 * v, (v - start) / period)
+                inertial = inertial - self._by_model(q, 0 * v, 0 * v)
+                estimate = keep * estimate + (1 - keep) * (torque - bias - inertial)
             tau, rate = self.torque(sample * period, q, v, memory)
-            rows.append((q, tau, memory))
+            tau = tau + estimate
+            rows.append((q, tau, memory, estimate))
+            before = v, tau, self._by_model(q, v, 0 * v)
             memory = self.bounded(memory + period * rate)
             for _ in range(steps):
                 v = v + h * pin.aba(self.model, self.data, q, v, tau - self.lost)
                 q = q + h * v
-        q_rows, tau_rows, memory_rows = (np.array(column) for column in zip(*rows, strict=True))
-        return q_rows, tau_rows, memory_rows
+        q_rows, tau_rows, memory_rows, estimates = map(np.array, zip(*rows, strict=True))
+        return q_rows, tau_rows, memory_rows, estimates
 
     def continuous(self, times: Array) -> Array:
-        """Return angles and memory at given times. Shape (n, 12)."""
+        """Return angles, memory and the estimate of F at given times. Shape (n, 18).
+
+        Time-delay estimation without a delay makes the arm the nominal one, undisturbed.
+        """
+        instant = np.isinf(self.rate)
 
         def rate(t: float, y: Array) -> Array:
-            q, v, memory = y.reshape(3, JOINTS)
+            q, v, memory, estimate = y.reshape(4, JOINTS)
             tau, change = self.torque(t, q, v, memory)
             # At a bound, or past it by a step of the solver, it goes no further.
             stuck = (memory - self.bounded(memory)) * change >= 0.0
             stuck &= self.bounded(memory + np.sign(change)) == self.bounded(memory)
+            change = np.where(stuck, 0.0, change)
+            if instant.any():
+                a = pin.aba(self.nominal, self.nominal_data, q, v, tau)
+                return np.concatenate([v, a, change, np.zeros(JOINTS)])
+            tau = tau + estimate
             a = pin.aba(self.model, self.data, q, v, tau - self.lost)
-            return np.concatenate([v, a, np.where(stuck, 0.0, change)])
+            missing = tau - self._by_model(q, v, a)
+            return np.concatenate([v, a, change, self.rate * (missing - estimate)])
 
-        start = np.concatenate([self.q, self.v, self.memory])
+        start = np.concatenate([self.q, self.v, self.memory, np.zeros(JOINTS)])
         # A rate that jumps spoils the differences from which Radau takes its slopes.
         jumps = self.lane["law"] == "adaptive_smc"
         method, longest = ("DOP853", 1e-3) if jumps else ("Radau", 1e-2)

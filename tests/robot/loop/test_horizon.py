@@ -79,6 +79,10 @@ FURTHER_VARIANTS: Document = {
         "observer_rate": 20,
         **CALM,
     },
+    **{
+        f"observed, {name}": {**REMEMBERING[name], "observer": "momentum", "observer_rate": 20}
+        for name in ("super_twisting", "integral_smc", "adaptive_smc")
+    },
 }
 SAMPLED = {"mode": "sampled", "control_rate": 1000.0}
 MODES: Document = {

@@ -17,6 +17,7 @@ from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.simulate import simulate
 
 OBSERVED = {"law": "smc", "lambda_": 10, "k1": 8, "k2": 5, "epsilon": 0.5, "observer": "momentum"}
+REMEMBERING = ["super_twisting", "integral_smc", "adaptive_smc"]
 MODES = ["continuous", "sampled"]
 
 
@@ -65,8 +66,56 @@ def test_an_observer_that_is_switched_on_begins_with_no_estimate(
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_a_moment_of_the_past_is_repeated_to_the_last_bit(mode: str) -> None:
-    loop = loop_of(OBSERVED, mode, 40)
+@pytest.mark.parametrize("law", REMEMBERING)
+def test_a_law_with_a_memory_of_its_own_keeps_it_when_its_observer_is_switched(
+    law: str, mode: str
+) -> None:
+    own = LAWS[law].memory
+    loop = loop_of({"law": law}, mode, 50)
+    work = loop.lanes["A"].work
+    before = work[W : W + NODES].copy()
+    assert before[:own].any()
+    assert not before[own:].any()
+    change(loop, {"lanes": {"A": {"observer": "momentum"}}})
+    np.testing.assert_array_equal(work[W : W + NODES], before)
+    for _ in range(20):
+        loop.step()
+    before = work[W : W + NODES].copy()
+    assert before[own:].any()
+    change(loop, {"lanes": {"A": {"observer": "none"}}})
+    np.testing.assert_array_equal(work[W : W + own], before[:own])
+    assert not work[W + own : W + NODES].any()
+
+
+@pytest.mark.parametrize("observer", ["none", "momentum"])
+@pytest.mark.parametrize("between", ["computed_torque", "smc", "rbfnn_smc", "nftsm"])
+@pytest.mark.parametrize("law", REMEMBERING)
+def test_no_law_finds_the_memory_that_it_once_left(law: str, between: str, observer: str) -> None:
+    loop = loop_of({"law": law, "observer": observer}, "sampled", 50)
+    assert loop.lanes["A"].work[W : W + NODES].any()
+    for other in (between, law):
+        change(loop, {"lanes": {"A": {"law": other}}})
+        assert not loop.lanes["A"].work[W : W + NODES].any()
+        if other == between:
+            change(loop, {"disturbance": {"constant": 1.0}})
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_weights_go_on_behind_a_law_that_needs_none(mode: str) -> None:
+    loop = loop_of({"law": "rbfnn_smc", "width": 1.0}, mode, 50)
+    weights = loop.lanes["A"].work[W : W + NODES].copy()
+    assert weights.any()
+    change(loop, {"lanes": {"A": {"law": "computed_torque"}}})
+    loop.step()
+    change(loop, {"lanes": {"A": {"law": "rbfnn_nftsm"}}})
+    np.testing.assert_array_equal(loop.lanes["A"].work[W : W + NODES], weights)
+
+
+@pytest.mark.parametrize("law", ["smc", *REMEMBERING])
+@pytest.mark.parametrize("mode", MODES)
+def test_a_moment_of_the_past_is_repeated_to_the_last_bit(mode: str, law: str) -> None:
+    lane = OBSERVED if law == "smc" else {"law": law, "observer": "momentum"}
+    loop = loop_of(lane, mode, 40)
     past, record = loop.state(), loop.lanes["A"].record
     for _ in range(60):
         loop.step()
