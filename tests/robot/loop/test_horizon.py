@@ -79,10 +79,10 @@ FURTHER_VARIANTS: Document = {
         "observer_rate": 20,
         **CALM,
     },
-    **{
-        f"observed, {name}": {**REMEMBERING[name], "observer": "momentum", "observer_rate": 20}
-        for name in ("super_twisting", "integral_smc", "adaptive_smc")
-    },
+}
+OBSERVED: Document = {
+    f"observed, {name}": {**REMEMBERING[name], "observer": "momentum", "observer_rate": 20}
+    for name in ("super_twisting", "integral_smc", "adaptive_smc")
 }
 SAMPLED = {"mode": "sampled", "control_rate": 1000.0}
 MODES: Document = {
@@ -215,7 +215,7 @@ def test_every_law_is_compared() -> None:
 @pytest.mark.parametrize(("mode", "robot"), list(product(MODES, ARMS)))
 def test_one_call_gives_the_rows_of_single_steps(mode: str, robot: str) -> None:
     simulation = {**MODES[mode], "horizon": 0.1, "initial_error": 0.02}
-    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS, FURTHER_VARIANTS):
+    for lanes in (EVERY_LAW, REMEMBERING, VARIANTS, FURTHER_VARIANTS, OBSERVED):
         experiment = Experiment.from_document({"lanes": lanes, "simulation": simulation})
         experiment = experiment.patched({"robot": {"armature": 1.0}}).patched(ARMS[robot])
         for name in lanes:
