@@ -22,6 +22,8 @@ from slidetune.server.report.run_report import NONE, figure_text, heading
 
 Document = dict[str, Any]
 
+_ENDED = FIGURES["diverged_at"]
+
 
 def tuning_document(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]) -> Document:
     """Return a search and what came of it as plain JSON values."""
@@ -76,7 +78,8 @@ def sweep_lines(
     """Yield a sweep as CSV, SI units in the heading."""
     figures = [f"{name} [{FIGURES[name].unit}]" for name in STUDIED]
     ratios = [f'"ratio of {name}"'.replace(",", ";") for name in experiment.goals]
-    yield ",".join([*(one.field for one in axes), *figures, *ratios, "diverged at [s]"]) + "\n"
+    ended = f"{_ENDED.title} [{_ENDED.unit}]"
+    yield ",".join([*(one.field for one in axes), *figures, *ratios, ended]) + "\n"
     for point in points:
         one = point.outcome
         cells = [*point.values, *one.figures.values(), *one.ratios.values(), one.diverged_at]
@@ -163,7 +166,7 @@ def print_sweep(
         one = point.outcome
         figures = (figure_text(FIGURES[name], one.figures[name]) for name in STUDIED)
         ratios = (_number(ratio) for ratio in one.ratios.values())
-        state = "" if one.diverged_at is None else f"diverged at {one.diverged_at:.3g} s"
+        state = "" if one.diverged_at is None else f"{_ENDED.title} {one.diverged_at:.3g} s"
         state = one.refused or state
         _row(table, *map(_number, point.values), *figures, *ratios, state)
     console.print(table)

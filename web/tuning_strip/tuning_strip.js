@@ -131,8 +131,9 @@ class TuningStrip {
     const window = /** @type {import('../curves/y_range.js').Range} */ ([0, current.horizon]);
     const panels = RESPONSE_VIEWS[0].panels([this.#joint]);
     const shows = () => true;
+    const goals = this.#api.experiment.goals ?? {};
     return {
-      ...responsePanels({panels, current, before, pinned: [], shows, window}, this.#ranges)[0], window,
+      ...responsePanels({panels, current, before, goals, pinned: [], shows, window}, this.#ranges)[0], window,
     };
   }
 

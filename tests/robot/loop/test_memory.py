@@ -151,12 +151,12 @@ def test_another_law_begins_with_an_empty_memory(two_memories: Callable[[str], P
 def test_memory_and_weights_go_on_where_the_law_can_use_them(
     two_memories: Callable[[str], Packed],
 ) -> None:
-    for before, after in (("smc", "smc"), ("rbfnn_smc", "rbfnn_nftsm")):
+    for before, after, goes_on in (("smc", "smc", False), ("rbfnn_smc", "rbfnn_nftsm", True)):
         loop = stepped(two_memories(before))
         known = memory(loop)
-        for law in ("computed_torque", after):  # which neither needs nor changes them
+        for law in ("computed_torque", after):  # which neither needs nor changes weights
             loop.adopt(two_memories(law))
-            np.testing.assert_array_equal(memory(loop), known)
+            np.testing.assert_array_equal(memory(loop), known * goes_on)
 
 
 def test_a_lane_goes_back_to_the_memory_that_it_had(two_memories: Callable[[str], Packed]) -> None:

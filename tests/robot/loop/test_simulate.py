@@ -70,7 +70,7 @@ BUSY: dict[str, Any] = {
     },
 }
 # What the law is told not to look at, or where there is no choice yet.
-INERT = {"title", "description", "slidetune", "model", "kind", "lanes"}
+INERT = {"title", "description", "slidetune", "model", "kind", "lanes", "goals", "uncertainty"}
 
 
 def experiment_of(document: dict[str, Any]) -> Experiment:
@@ -146,9 +146,11 @@ def leaves(section: Section, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple
     """Walk through all fields of an experiment but its lanes."""
     for name, info in type(section).model_fields.items():
         value = getattr(section, name)
+        if name in INERT:
+            continue
         if isinstance(value, Section):
             yield from leaves(value, (*path, name))
-        elif name not in INERT:
+        else:
             yield (*path, name), info
 
 
