@@ -19,7 +19,6 @@ Bounded = Literal[
     "max_error",
     "max_velocity_error",
     "chattering",
-    "switches",
     "high_frequency_torque",
     "peak_torque",
     "reaching_time",

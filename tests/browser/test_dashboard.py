@@ -133,7 +133,8 @@ def test_a_disturbance_and_a_width_are_tuned_live(page: Page, dashboard: Dashboa
     width.fill("0.2")
     width.press("Enter")
     until_experiment(dashboard, "RBFNN-NFTSM", "width", 0.2)
-    section = page.locator("details", has_text="Disturbance").last
+    heading = page.locator("summary", has_text="Disturbance")
+    section = page.locator("details", has=heading).last
     if section.get_attribute("open") is None:
         section.locator("summary").first.click()
     amplitude = box(page, "disturbance.sine.amplitude")
