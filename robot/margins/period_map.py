@@ -58,7 +58,11 @@ from slidetune.robot.kernels.workspace import (
 )
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.drives import Drives
-from slidetune.robot.margins.observer_state import begin_observer, remembered_rows
+from slidetune.robot.margins.observer_state import (
+    begin_observer,
+    remembered_rows,
+    remembered_torque,
+)
 from slidetune.robot.margins.timing import Timing, timing
 from slidetune.robot.motion.trajectory import reference
 
@@ -85,12 +89,14 @@ class PeriodMap:
     .. math:: x_{k+1} = A x_k + B_0 u_{k-n} + B_1 u_{k-n-1}, \qquad u_k = (C + P + R)\,x_k
 
     x: deviations of angle, velocity, of the torques of drives with a lag, of the weights along the
-    hidden outputs, and of what a law and its observer remember; u: the commanded torque.
+    hidden outputs, and of what a law and its observer remember, to which K u_k is added; u: the
+    commanded torque.
 
     Attributes:
         own: A: arm and learning without the torque. Shape (m, m).
         late: B_0: torque over the rest of the period. Shape (m, 6).
         early: B_1: torque over its beginning, where the delay is not whole. Shape (m, 6).
+        kept: K: torque that an observer remembers, before any delay. Shape (m, 6).
         rest: C: torque but for the reaching law. Shape (6, m).
         proportional: P: the reaching law outside of its layer. Shape (6, m).
         switching: R: what the layer adds. Shape (6, m).
@@ -101,6 +107,7 @@ class PeriodMap:
     own: Array
     late: Array
     early: Array
+    kept: Array
     rest: Array
     proportional: Array
     switching: Array
@@ -133,7 +140,8 @@ class PeriodMap:
     def _whole(self, proportional: float, switching: float) -> Array:
         """Return the matrix of a period over the state and the torques on their way."""
         torque, line = self._torque(proportional, switching), self._line
-        A, size = self.own, len(self.own)
+        A: Array = self.own + self.kept @ torque
+        size = len(A)
         if self.delay == 0:
             A = A + self.late @ torque
         if line == 0:
@@ -377,9 +385,12 @@ class Around:
             self._gains[:] = within
         size, both = len(learning), slice(0, self._arm_size)
         own, early, late = learning, np.zeros((size, JOINTS)), np.zeros((size, JOINTS))
+        kept = remembered_torque(self._lane, size)
+        own = own - kept @ (rest + reach)
         drives = Drives(self._packed.environment[LAG], self._lags)
         found = drives.period(self._arm_step(), self.timing.step, self.timing.steps, part)
         plant, early[both], late[both] = found
         own[both, both] += plant
         switching = reach - proportional
-        return PeriodMap(own, late, early, rest, proportional, switching, int(whole), self.timing)
+        law = rest, proportional, switching
+        return PeriodMap(own, late, early, kept, *law, int(whole), self.timing)

@@ -14,8 +14,9 @@ import pinocchio as pin
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.workspace import S_E, S_V, TAU
+from slidetune.robot.kernels.workspace import AD, S_E, S_V, TAU
 from slidetune.robot.margins.margin import with_lane
+from slidetune.robot.margins.observer_path import ObserverPath, observer_path
 from slidetune.robot.margins.period_map import Around, calm
 from slidetune.robot.margins.unsampled import as_if_unsampled
 
@@ -52,6 +53,7 @@ class SwitchingLoop:
         kappa: how fast its own switching term moves the S of each joint in [rad/s^2], the diagonal
             of Gamma M^-1 K_2; where the law shapes the inertia it is k2. Shape (6,).
         load: mean of sw with which each joint is held on its surface [-]. Shape (6,).
+        observer: what it makes of u, ``None`` where there is none.
     """
 
     own: Array
@@ -65,6 +67,7 @@ class SwitchingLoop:
     fastest: float
     kappa: Array
     load: Array
+    observer: ObserverPath | None = None
 
     def folded(self, omega: Array) -> Array:
         r"""Return how much farther the samples of S swing than a wave of that frequency does.
@@ -103,8 +106,12 @@ class SwitchingLoop:
         turn = np.exp(-1j * omega * (self.delay + late))[:, None, None]
         size = len(self.own)
         matrix = 1j * omega[:, None, None] * np.eye(size) - self.own
-        matrix = matrix - turn * (self.torque @ (self.rest + k1 * self.proportional))
-        moved = np.linalg.solve(matrix, turn * (self.torque @ self.gain))
+        asked, gain = self.rest + k1 * self.proportional, self.gain
+        if self.observer is not None:
+            factor, motion = self.observer.passed(omega)
+            asked, gain = factor[:, :, None] * asked, factor[:, :, None] * gain
+            asked[:, :, : motion.shape[2]] += motion
+        moved = np.linalg.solve(matrix - turn * (self.torque @ asked), turn * (self.torque @ gain))
         return np.asarray(-self.surface @ moved)
 
 
@@ -119,13 +126,16 @@ def switching_loop(packed: Packed, name: str, time: float) -> SwitchingLoop:
     simulation = packed.experiment.simulation
     # A layer of 1 rad/s: the slope of its tanh at S = 0 is k2 itself.
     unit = calm(as_if_unsampled(with_layer(packed, name, 1.0), name))
+    observed = getattr(packed.experiment.lanes[name], "observer", "none") != "none"
+    if observed:
+        unit = with_lane(unit, name, observer="none")
     outside = with_layer(unit, name, np.inf).gains[name]
     around = Around(unit, name, time)
     # On the surface, before its differences are taken.
-    S_v, S_e, asked = (around.work[row].copy() for row in (S_V, S_E, TAU))
+    S_v, S_e, asked, a_d = (around.work[row].copy() for row in (S_V, S_E, TAU, AD))
     missing = around.load - asked
     missing[around.learning] = 0.0
-    if getattr(packed.experiment.lanes[name], "observer", "none") != "none":
+    if observed:
         missing[:] = 0.0  # it carries what the law lacks
     linear = around.map(outside)
     period = linear.timing.period
@@ -146,6 +156,7 @@ def switching_loop(packed: Packed, name: str, time: float) -> SwitchingLoop:
         fastest=np.pi / simulation.row_period,
         kappa=S_v * np.diagonal(np.linalg.solve(M, gain)),
         load=_load(missing, gain),
+        observer=observer_path(packed, name, (around.q, around.v, a_d)),
     )
 
 
