@@ -37,10 +37,9 @@ CHANNELS: dict[str, tuple[str, str]] = {
     "flange_error": ("flange error", "m"),
 }
 """Symbol and unit of each channel."""
-OF_THE_WHOLE_ARM = frozenset({"flange_error", "chattering", "high_frequency_torque"}) | {
-    "flange_rms",
-    "flange_max",
-}
+OF_THE_WHOLE_ARM = frozenset(
+    {"flange_error", "chattering", "high_frequency_torque", "flange_rms", "flange_max"}
+)
 """What is one number for the whole arm, whose joint can't be chosen."""
 MOST_GOALS = 24
 LATEST = 120.0

@@ -133,8 +133,8 @@ def lane_response(
     frozen = None if result.freeze is None else result.freeze.document()
     finite = result.flange[np.isfinite(result.flange[:, 0])]
     stride = max(1, len(finite) // PATH_POINTS)
-    figures, accuracy = result.metrics.document(), result.accuracy.document()
-    goals = judge_goals(experiment.goals, result).document()
+    metrics, accuracy = result.metrics, result.accuracy.document()
+    goals = judge_goals(experiment.goals, result, metrics).document()
     # A copy: a view would keep every row of the run as long as the response is kept.
     path = finite[::stride].copy()
-    return Response(time, columns, path, figures, frozen, accuracy, goals)
+    return Response(time, columns, path, metrics.document(), frozen, accuracy, goals)

@@ -1,4 +1,4 @@
-"""How a run keeps to its experiment's goals: each as a ratio to its bound, and their sum."""
+"""How a run keeps to its experiment's goals: each as a ratio to its bound, and the score."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Verdict:
         }
 
 
-def judge_goals(goals: Mapping[str, Goal], run: LaneRun) -> Verdict:
+def judge_goals(goals: Mapping[str, Goal], run: LaneRun, metrics: Metrics) -> Verdict:
     r"""Return how a run keeps to goals.
 
     .. math:: \text{response: } \max_{t \in [t_0, t_1]} |x(t)| / b, \qquad
@@ -69,8 +69,8 @@ def judge_goals(goals: Mapping[str, Goal], run: LaneRun) -> Verdict:
     Args:
         goals: by name.
         run: what a lane did.
+        metrics: its figures, which take as long as all goals together.
     """
-    metrics = run.metrics
     ratios = {name: _ratio(goal, run, metrics) for name, goal in goals.items()}
     of = {
         priority: {name: ratios[name] for name, goal in goals.items() if goal.priority == priority}

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.quantity import Section, bounds
+from slidetune.robot.fields.quantity import Section
 from slidetune.robot.goals.uncertainty import Uncertainty
 
 Array = np.ndarray
@@ -33,6 +33,9 @@ def placed(experiment: Experiment, share: Array) -> Experiment:
     Args:
         experiment: whose ``uncertainty`` says what is uncertain.
         share: of ``QUANTITIES``, 0 the least value, 1 the greatest. Shape (8,).
+
+    Raises:
+        InvalidExperimentError: if that leads out of a field's bounds; see ``check_ranges``.
     """
     patch: dict[str, Any] = {}
     for name, value in values_at(experiment.uncertainty, share).items():
@@ -59,11 +62,21 @@ def merge(patch: dict[str, Any], more: dict[str, Any]) -> None:
             patch[key] = value
 
 
+def check_ranges(experiment: Experiment) -> None:
+    """Refuse ranges that lead out of the bounds of what they change, before anything runs.
+
+    Every field goes one way with its own quantity: the ends of the ranges are enough.
+
+    Raises:
+        InvalidExperimentError: naming every such field.
+    """
+    for end in (0.0, 1.0):
+        placed(experiment, np.full(len(QUANTITIES), end))
+
+
 def _times(section: Section, name: str, factor: float) -> Any:
-    """Return a field's value times a factor, within its bounds."""
-    low, high = bounds(type(section), name)
-    scaled = np.clip(np.multiply(getattr(section, name), factor), low, high)
-    return scaled.tolist()
+    """Return a field's value times a factor."""
+    return np.multiply(getattr(section, name), factor).tolist()
 
 
 def _payload(_: Experiment, value: float) -> dict[str, Any]:

@@ -97,7 +97,8 @@ def outcome(
         lasted = min(run.freeze.time / variant.simulation.horizon, 1.0)
         cost, when = FAILED + 1.0 - lasted, run.freeze.time
         return Outcome(cost, None, False, nothing, dict.fromkeys(STUDIED), when)
-    verdict, metrics = judge_goals(goals, run), run.metrics
+    metrics = run.metrics
+    verdict = judge_goals(goals, run, metrics)
     figures = {name: FIGURES[name].overall(getattr(metrics, name)) for name in STUDIED}
     if verdict.hard is None or verdict.soft is None:
         return Outcome(FAILED, None, False, verdict.ratios, figures)

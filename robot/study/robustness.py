@@ -16,9 +16,9 @@ from optuna.samplers import CmaEsSampler
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
-from slidetune.robot.study.draws import QUANTITIES, placed, unit_draw, values_at
+from slidetune.robot.study.draws import QUANTITIES, check_ranges, placed, unit_draw, values_at
 from slidetune.robot.study.outcome import Outcome, outcome
-from slidetune.robot.study.tuning import unfounded_draws
+from slidetune.robot.study.tuning import no_goal, unfounded_draws
 
 Array = np.ndarray
 
@@ -63,6 +63,7 @@ def _check(experiment: Experiment, lane: str, count: int) -> None:
     experiment.lane(lane)
     if refused := unfounded_draws(experiment, max(count, 1)):
         raise InvalidExperimentError(refused)
+    check_ranges(experiment)
 
 
 def _draw(experiment: Experiment, index: int, place: tuple[float, ...], made: Outcome) -> Draw:
@@ -73,7 +74,8 @@ def robustness(experiment: Experiment, lane: str, count: int, executor: Executor
     """Run a lane at that many draws; yield them in their order.
 
     Raises:
-        InvalidExperimentError: if there is no such lane, or nothing is uncertain.
+        InvalidExperimentError: if there is no such lane, nothing is uncertain, or a range leads
+            out of a field's bounds.
     """
     _check(experiment, lane, count)
     alone = only_lane(experiment, lane)
@@ -113,9 +115,12 @@ def worst_case(
         seed: the same one gives the same places.
 
     Raises:
-        InvalidExperimentError: if there is no such lane, or nothing is uncertain.
+        InvalidExperimentError: if there is no such lane, no goal to miss, nothing uncertain, or a
+            range that leads out of a field's bounds.
     """
     _check(experiment, lane, trials)
+    if not experiment.goals:
+        raise InvalidExperimentError([no_goal()])
     alone, uncertain = only_lane(experiment, lane), experiment.uncertainty.uncertain
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)

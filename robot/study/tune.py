@@ -27,6 +27,8 @@ optuna.logging.set_verbosity(optuna.logging.WARNING)
 
 BATCH = 8
 """Trials that are asked for at once (*ours*): enough for the cores of a desk."""
+FAR = 1e12
+"""Ratio that counts for a goal which can't be told, times the run's cost (*ours*)."""
 POPULATION = 24
 """Of NSGA-II (*ours*)."""
 
@@ -209,7 +211,7 @@ class _Search:
         if not self._several:
             self._study.tell(trial, outcome.cost)
             return
-        failed, worst = outcome.cost >= FAILED, 1e3 * outcome.cost
+        failed, worst = outcome.cost >= FAILED, FAR * outcome.cost
         ratios = {
             name: worst if failed or ratio is None else ratio
             for name, ratio in outcome.ratios.items()

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.fields.quantity import Integer, Number, Section, field, refusal
+from slidetune.robot.study.draws import check_ranges
 
 Sampler = Literal["tpe", "cmaes", "nsga2"]
 
@@ -103,20 +104,27 @@ def check_tuning(experiment: Experiment, tuning: Tuning) -> None:
 
     Raises:
         InvalidExperimentError: if there is no such lane, no goal, nothing uncertain to draw from,
-            or fewer than two soft goals for ``nsga2``.
+            a range that leads out of a field's bounds, or fewer than two soft goals for ``nsga2``.
     """
     experiment.lane(tuning.lane)
     soft = [name for name, goal in experiment.goals.items() if goal.priority == "soft"]
     refused = []
     if not experiment.goals:
-        text = "there is nothing to search for: set a goal first, a bound on a response or a figure"
-        refused.append(FieldError("goals", text))
+        refused.append(no_goal())
     elif tuning.sampler == "nsga2" and len(soft) < 2:
         text = f"nsga2 needs two soft goals or more to choose between, there are {len(soft)}"
         refused.append(FieldError("sampler", text, tuning.sampler))
     refused += unfounded_draws(experiment, tuning.draws)
     if refused:
         raise InvalidExperimentError(refused)
+    if tuning.draws:
+        check_ranges(experiment)
+
+
+def no_goal() -> FieldError:
+    """Return the refusal of a search that has nothing to make small."""
+    text = "there is nothing to search for: set a goal first, a bound on a response or a figure"
+    return FieldError("goals", text)
 
 
 def unfounded_draws(experiment: Experiment, draws: int) -> list[FieldError]:

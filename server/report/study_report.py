@@ -119,7 +119,8 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
         ratios = (one["outcome"]["ratios"][name] for one in (present, best))
         _row(goals, f"{name}: {said(goal)}", goal.priority, *map(_number, ratios))
     console.print(goals)
-    console.print(Text("1 is just met; trial 0 is the lane as it is."))
+    counts = " Ratios and figures are those of the draw that counts." if tuning["draws"] else ""
+    console.print(Text(f"1 is just met; before is the lane as it is.{counts}"))
     figures = _table("figure", "before", "after")
     for name in STUDIED:
         values = (one["outcome"]["figures"][name] for one in (present, best))

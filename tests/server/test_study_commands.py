@@ -44,7 +44,9 @@ def test_tune_writes_gains_that_do_what_it_says(goal: Experiment, tmp_path: Path
     assert best["outcome"]["score"] <= document["present"]["outcome"]["score"]
     tuned = experiment_from_yaml((tmp_path / "tuned.yaml").read_bytes())
     run = simulate(tuned, estimate=False).lanes[LANE]
-    assert judge_goals(tuned.goals, run).score == pytest.approx(best["outcome"]["score"])
+    assert judge_goals(tuned.goals, run, run.metrics).score == pytest.approx(
+        best["outcome"]["score"]
+    )
     two = slidetune(*arguments, "--json", "-", "--workers", "3", folder=tmp_path)
     assert strict(two.stdout) == document
     printed = slidetune(*arguments, folder=tmp_path)

@@ -54,7 +54,7 @@ def test_a_goal_is_added_and_every_lane_is_held_to_it(page: Page, dashboard: Das
     chips = row.locator(".goal-chip")
     expect(chips).to_have_count(len(run.lanes))
     for index, lane in enumerate(run.lanes.values()):
-        verdict = judge_goals(run.experiment.goals, lane)
+        verdict = judge_goals(run.experiment.goals, lane, lane.metrics)
         expect(chips.nth(index)).to_have_class(
             re.compile("is-kept" if verdict.kept else "is-missed")
         )
@@ -123,7 +123,9 @@ def test_bounds_are_lines_in_the_plots_of_the_response(page: Page, dashboard: Da
     assert all(line["x"] == [0.5, 2] for line in near)
     assert {line["yaxis"] for line in found} == {"y2"}
     run = simulate(Experiment.from_document(experiment(dashboard)), estimate=False)
-    kept = all(judge_goals(run.experiment.goals, lane).met for lane in run.lanes.values())
+    kept = all(
+        judge_goals(run.experiment.goals, lane, lane.metrics).met for lane in run.lanes.values()
+    )
     tone = "good" if kept else "bad"
     assert all(tone in line["uid"] for line in near)
     assert all("good" in line["uid"] for line in found if line["name"] == "far")

@@ -25,7 +25,7 @@ def run() -> LaneRun:
 
 
 def ratio(run: LaneRun, goal: Goal) -> float | None:
-    return judge_goals({"g": goal}, run).ratios["g"]
+    return judge_goals({"g": goal}, run, run.metrics).ratios["g"]
 
 
 @pytest.mark.parametrize("channel", ["e", "de", "tau", "S"])
@@ -74,17 +74,17 @@ def goals(hard: float, soft: float) -> dict[str, Goal]:
 
 def test_the_score_is_the_hard_ratio_until_that_holds(run: LaneRun) -> None:
     mae = float(run.metrics.mae.mean())
-    missed = judge_goals(goals(3.0 / mae, 0.5 / mae), run)
+    missed = judge_goals(goals(3.0 / mae, 0.5 / mae), run, run.metrics)
     assert (missed.score, missed.worst) == (pytest.approx(3.0), "hard")
     assert not missed.kept
-    kept = judge_goals(goals(0.9 / mae, 1.5 / mae), run)
+    kept = judge_goals(goals(0.9 / mae, 1.5 / mae), run, run.metrics)
     assert (kept.score, kept.worst) == (pytest.approx(1.5), "soft")
     assert kept.kept
     assert not kept.met
-    assert judge_goals(goals(0.9 / mae, 0.5 / mae), run).met
-    alone = judge_goals({"hard": goals(0.7 / mae, 1.0)["hard"]}, run)
+    assert judge_goals(goals(0.9 / mae, 0.5 / mae), run, run.metrics).met
+    alone = judge_goals({"hard": goals(0.7 / mae, 1.0)["hard"]}, run, run.metrics)
     assert (alone.score, alone.worst) == (pytest.approx(0.7), "hard")
-    assert judge_goals({}, run).met
+    assert judge_goals({}, run, run.metrics).met
 
 
 def test_a_run_that_left_its_bounds_meets_no_figure_and_no_span_beyond(run: LaneRun) -> None:
@@ -93,7 +93,7 @@ def test_a_run_that_left_its_bounds_meets_no_figure_and_no_span_beyond(run: Lane
     ended = replace(run, q=q, e=e, freeze=Freeze(time=1.5, joint=1, cause="for a test"))
     figure, late = FigureGoal(figure="mae", bound=1.0), ResponseGoal(bound=1.0, priority="hard")
     early = ResponseGoal(bound=1.0, end=1.0)
-    verdict = judge_goals({"figure": figure, "late": late, "early": early}, ended)
+    verdict = judge_goals({"figure": figure, "late": late, "early": early}, ended, ended.metrics)
     assert verdict.ratios["figure"] is None
     assert verdict.ratios["late"] is None
     assert verdict.ratios["early"] is not None
@@ -108,7 +108,9 @@ def test_an_unknown_figure_is_no_goal_met() -> None:
         {"lanes": {"A": {"law": "smc"}}, "simulation": {"horizon": 0.1}}
     )
     lane = simulate(short, estimate=False).lanes["A"]
-    verdict = judge_goals({"g": FigureGoal(figure="high_frequency_torque", bound=1.0)}, lane)
+    verdict = judge_goals(
+        {"g": FigureGoal(figure="high_frequency_torque", bound=1.0)}, lane, lane.metrics
+    )
     assert verdict.ratios == {"g": None}
     assert not verdict.met
 

@@ -8,10 +8,18 @@ import numpy as np
 import pytest
 
 from slidetune.robot.arm.arm import nominal_arm
+from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
-from slidetune.robot.study.draws import QUANTITIES, drawn, placed, unit_draw, values_at
+from slidetune.robot.study.draws import (
+    QUANTITIES,
+    check_ranges,
+    drawn,
+    placed,
+    unit_draw,
+    values_at,
+)
 
 RANGES: dict[str, list[float]] = {
     "payload": [0.5, 3.0],
@@ -90,6 +98,27 @@ def test_the_nominal_model_stays_what_it_is(factor: float) -> None:
     payload = before.robot.payload.mass
     assert true[1][1:-1].sum() / true[0][1:-1].sum() == pytest.approx(factor)
     assert true[1][-1] - payload == pytest.approx(factor * (true[0][-1] - payload))
+
+
+@pytest.mark.parametrize(
+    ("ranges", "path", "words"),
+    [
+        ({"inertia": [0.5, 5.0]}, "robot.inertia_scale", "[0.1, 3]"),
+        ({"coulomb_friction": [0.0, 10.0]}, "robot.coulomb_friction", "[0, 50] N·m"),
+        ({"sensor_noise": [0.0, 10.0]}, "disturbance.sensor_noise.velocity", "[0, 0.5] rad/s"),
+    ],
+)
+def test_a_range_that_leads_out_of_bounds_is_refused_and_never_cut(
+    ranges: dict[str, Any], path: str, words: str
+) -> None:
+    noisy = {"sensor_noise": {"velocity": 0.1}}
+    experiment = uncertain(ranges).patched({"disturbance": noisy})
+    with pytest.raises(InvalidExperimentError) as caught:
+        check_ranges(experiment)
+    (field,) = caught.value.fields
+    assert field.path == path
+    assert words in field.message
+    check_ranges(uncertain())
 
 
 def test_without_ranges_a_draw_is_the_experiment() -> None:

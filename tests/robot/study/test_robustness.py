@@ -75,6 +75,14 @@ def test_the_worst_found_is_at_least_as_bad_as_the_corner_that_is_the_worst() ->
     assert worst.outcome.cost > max(corners) - 0.02
 
 
+def test_the_worst_by_no_goal_is_refused() -> None:
+    aimless = uncertain().patched({"goals": {"near": None}})
+    with ThreadPoolExecutor(1) as pool:
+        assert len(list(robustness(aimless, LANE, 2, pool))) == 2
+        with pytest.raises(InvalidExperimentError, match="set a goal first"):
+            worst_case(aimless, LANE, 4, pool)
+
+
 def test_nothing_uncertain_is_refused_before_it_runs() -> None:
     with ThreadPoolExecutor(1) as pool:
         for study in (robustness, worst_case):

@@ -78,7 +78,7 @@ def test_the_first_trial_is_the_present_one_and_the_best_is_no_worse() -> None:
     assert best.outcome.cost <= present.cost
     # And its patch does what it says.
     run = simulate(short().patched(best.patch), estimate=False).lanes[LANE]
-    assert judge_goals(short().goals, run).score == best.outcome.score
+    assert judge_goals(short().goals, run, run.metrics).score == best.outcome.score
     space = search_space(short(), tuning())
     assert len(space) == 7
     for one in space:
