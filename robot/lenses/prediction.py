@@ -47,8 +47,8 @@ class PredictedJoint:
         slowest: the same if sampling made every switch as late as it can.
         fastest: the same if every switch came at once.
         coarse: whether it is where the samples fall that decides between these two.
-        amplitude: predicted of S in [rad/s], 0 where it should be silent; as in ``Swing`` it is
-            greater in a quarter of the time.
+        amplitude: predicted of S in [rad/s], 0 where it should be silent, ``None`` where it swings
+            farther and farther; as in ``Swing`` it is greater in a quarter of the time.
         alone: the same if no other joint switched.
         layer: its boundary layer at that instant in [rad/s]: epsilon, that of the implicit sign, or
             0 where it has none.
@@ -207,6 +207,8 @@ def _joint(
     least = _least(packed, layer, float(run.layer[joint]))
     swing = swing_of(run.S[rows, joint], packed.experiment.simulation.row_period, least)
     amplitude = usual([one.amplitude for one in known], QUARTILE)
+    if cycle is not None and thresholds[joint] is None and not shown.term.twisting:
+        amplitude = None  # no slope of a layer holds it: it has no limit cycle to come to
     limited, sticking = _obstacles(packed, run, rows, joint, swing)
     turns = 2.0 * np.pi
     return PredictedJoint(

@@ -41,7 +41,7 @@ export class Goals {
         this.#list, this.#score, form.element));
     rememberOpen(this.element, 'goals', false);
     this.element.addEventListener('toggle', () => this.#need());
-    for (const type of ['hello', 'patch', 'state']) api.addEventListener(type, () => this.#show());
+    for (const type of ['hello', 'patch']) api.addEventListener(type, () => this.#show());
     for (const type of ['response', 'failed']) preview.addEventListener(type, () => this.#show());
     this.#show();
   }

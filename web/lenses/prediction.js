@@ -129,7 +129,7 @@ function heading() {
  * @param {number} chosen
  */
 function row(one, number, chosen) {
-  const silent = one.frequency === null || one.amplitude === 0;
+  const silent = one.frequency === null || !one.amplitude;
   const cells = [
     silent ? '–' : range(one), figure(one.measured_frequency),
     silent ? '–' : figure(one.amplitude), figure(one.measured_amplitude), figure(one.threshold),

@@ -46,7 +46,7 @@ export function finding({joints, switching, threshold, adaptive}) {
   const present = adaptive ? ' k₂ adapts: this is for what it was in the run.' : '';
   if (!swinging.length) return `No limit cycle: nothing comes late enough to make this loop swing.${present}`;
   if (switching === 'twisting') return 'Super-twisting swings, if only a little: weaker k₁ and k₂ or less delay make it less.';
-  if (threshold === null) return `It swings whatever ε is: k₁ alone is too much for what comes late.${present}`;
+  if (threshold === null) return `It swings farther and farther whatever ε is: what comes late is too much for it.${present}`;
   const from = `silent from ε = ${threeDigits(threshold)} rad/s on for all joints, or from ε* of each`;
   if (switching === 'sign') return `sign swings whatever k₂ is. tanh in its place would be ${from}.${present}`;
   const loud = swinging.filter((/** @type {any} */ {amplitude}) => amplitude > 0).length;
@@ -104,11 +104,14 @@ export function cautions(one, joint, {switching}) {
 }
 
 /**
- * @param {any} one a silent joint
+ * @param {any} one a joint that does not keep swinging
  * @param {number} joint
  */
-function whySilent({crossing, layer, locked, curve: [real, imaginary], clearance, nearest}, joint) {
+function whySilent({crossing, layer, locked, amplitude, curve: [real, imaginary], clearance, nearest}, joint) {
   if (!real.length) return '';
+  if (crossing && amplitude === null) {
+    return `Joint ${joint} swings farther and farther: no layer holds it, however wide, until something else does.`;
+  }
   const silent = `Joint ${joint} is silent`;
   if (crossing) {
     const size = Math.hypot(...crossing);

@@ -280,6 +280,24 @@ def test_limits_and_friction_are_told_where_they_act() -> None:
     assert sticky.sticking > 0.0
 
 
+@pytest.mark.parametrize("switching", ["sign", "tanh"])
+def test_a_loop_that_no_layer_holds_is_given_no_amplitude(switching: str) -> None:
+    document = drawn(2).document()
+    k1 = [720.0, 720.0, 480.0, 96.0, 96.0, 96.0]
+    lane = {"law": "smc", "k1": k1, "k2": [40.0, 40.0, 25.0, 5.0, 5.0, 5.0], "epsilon": 0.5}
+    document["lanes"] = {"A": {**lane, "switching": switching}}
+    experiment = Experiment.from_document(document)
+    run = simulate(experiment, estimate=False).lanes["A"]
+    assert run.freeze is not None
+    view = look(pack(experiment), "A", run)
+    assert view is not None
+    assert view.threshold is None
+    for joint in view.joints:
+        assert joint.frequency is not None
+        assert joint.amplitude is None
+        assert joint.threshold is None
+
+
 def test_a_lane_without_a_switching_term_has_no_prediction() -> None:
     experiment = Experiment.from_document(
         {"lanes": {"A": {"law": "computed_torque"}}, "simulation": {"horizon": 0.5}}
