@@ -12,8 +12,9 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.response import only_lane
-from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.loop.simulate import LaneRun, simulate
 from slidetune.robot.loop.verdict import judge_goals
+from slidetune.robot.study.curves import curves_of
 from slidetune.robot.study.draws import drawn
 
 Array = np.ndarray
@@ -84,19 +85,46 @@ def outcome(
     Raises:
         CancelledError: if ``stop`` was set.
     """
-    goals = experiment.goals
-    nothing: dict[str, float | None] = dict.fromkeys(goals)
+    made = _run(experiment, lane, index, stop)
+    return made if isinstance(made, Outcome) else _judged(experiment, made)
+
+
+def outcome_and_curves(
+    experiment: Experiment, lane: str, stop: Array | None = None
+) -> tuple[Outcome, Array | None]:
+    """Run one lane; return its curves too, ``None`` where the run was refused.
+
+    Raises:
+        CancelledError: if ``stop`` was set.
+    """
+    made = _run(experiment, lane, NOMINAL, stop)
+    if isinstance(made, Outcome):
+        return made, None
+    return _judged(experiment, made), curves_of(made)
+
+
+def _run(experiment: Experiment, lane: str, index: int, stop: Array | None) -> LaneRun | Outcome:
+    """Return a run, or what is told of one that was refused."""
     try:
         variant = only_lane(experiment, lane)
         variant = variant if index == NOMINAL else drawn(variant, index)
-        run = simulate(variant, stop=stop, estimate=False).lanes[lane]
+        return simulate(variant, stop=stop, estimate=False).lanes[lane]
     except InvalidExperimentError as error:
-        return Outcome(FAILED + 1.0, None, False, nothing, dict.fromkeys(STUDIED), None, str(error))
+        return _refused(experiment, error)
+
+
+def _refused(experiment: Experiment, error: InvalidExperimentError) -> Outcome:
+    ratios: dict[str, float | None] = dict.fromkeys(experiment.goals)
+    return Outcome(FAILED + 1.0, None, False, ratios, dict.fromkeys(STUDIED), None, str(error))
+
+
+def _judged(experiment: Experiment, run: LaneRun) -> Outcome:
+    goals = experiment.goals
     if run.freeze is not None:
         # The later the better, so that a search finds its way out.
-        lasted = min(run.freeze.time / variant.simulation.horizon, 1.0)
+        lasted = min(run.freeze.time / experiment.simulation.horizon, 1.0)
         cost, when = FAILED + 1.0 - lasted, run.freeze.time
-        return Outcome(cost, None, False, nothing, dict.fromkeys(STUDIED), when)
+        return Outcome(cost, None, False, dict.fromkeys(goals), dict.fromkeys(STUDIED), when)
     metrics = run.metrics
     verdict = judge_goals(goals, run, metrics)
     figures = {name: FIGURES[name].overall(getattr(metrics, name)) for name in STUDIED}
@@ -133,10 +161,7 @@ def outcomes(
         try:
             variant = experiment.patched(patch)
         except InvalidExperimentError as error:
-            figures: dict[str, float | None] = dict.fromkeys(STUDIED)
-            ratios: dict[str, float | None] = dict.fromkeys(experiment.goals)
-            refused = Outcome(FAILED + 1.0, None, False, ratios, figures, None, str(error))
-            found.append([refused] * len(draws))
+            found.append([_refused(experiment, error)] * len(draws))
             continue
         found.append([outcome(variant, lane, index, stop) for index in draws])
     return found

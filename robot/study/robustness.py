@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.study.draws import QUANTITIES, check_ranges, placed, unit_draw, values_at
-from slidetune.robot.study.outcome import Outcome, outcome
+from slidetune.robot.study.outcome import Outcome, outcome_and_curves
 from slidetune.robot.study.tuning import no_goal, unfounded_draws
 
 Array = np.ndarray
@@ -28,6 +28,8 @@ BATCH = 8
 """Places that a search for the worst asks for at once (*ours*)."""
 MOST_CORNERS = 16
 """Corners that such a search begins with at most (*ours*)."""
+KEPT = ("figures", "ratios")
+"""What a draw's outcome keeps by name."""
 QUANTILES = {"p5": 0.05, "median": 0.5, "p95": 0.95, "worst": 1.0}
 
 
@@ -40,23 +42,44 @@ class Draw:
         share: where it lies within the range of each of ``QUANTITIES``, 0 to 1.
         values: what each uncertain quantity was, by name.
         outcome: what came of it.
+        curves: how its response went; see ``curves_of``. ``None`` without a run.
     """
 
     index: int
     share: tuple[float, ...]
     values: dict[str, float]
     outcome: Outcome
+    curves: Array | None = field(default=None, repr=False, compare=False)
 
     def document(self) -> dict[str, Any]:
-        """Return it as plain JSON values."""
-        return asdict(self)
+        """Return it as plain JSON values, without the curves."""
+        told = asdict(replace(self, curves=None))
+        del told["curves"]
+        return told
+
+
+Made = tuple[Outcome, Array | None]
 
 
 def at_places(
-    experiment: Experiment, lane: str, places: Sequence[tuple[float, ...]]
-) -> list[Outcome]:
-    """Return the outcomes of a lane at places within the uncertain ranges: one task of a study."""
-    return [outcome(placed(experiment, np.array(place)), lane) for place in places]
+    experiment: Experiment,
+    lane: str,
+    places: Sequence[tuple[float, ...]],
+    stop: Array | None = None,
+) -> list[Made]:
+    """Return outcomes and curves of a lane at places within the ranges: one task of a study.
+
+    A pure function, so that doing it twice harms nobody.
+
+    Args:
+        experiment: whose ranges count.
+        lane: which lane.
+        places: see ``placed``.
+        stop: once another thread has set it, the runs stop.
+    """
+    return [
+        outcome_and_curves(placed(experiment, np.array(place)), lane, stop=stop) for place in places
+    ]
 
 
 def _check(experiment: Experiment, lane: str, count: int) -> None:
@@ -66,12 +89,21 @@ def _check(experiment: Experiment, lane: str, count: int) -> None:
     check_ranges(experiment)
 
 
-def _draw(experiment: Experiment, index: int, place: tuple[float, ...], made: Outcome) -> Draw:
-    return Draw(index, place, values_at(experiment.uncertainty, np.array(place)), made)
+def _draw(experiment: Experiment, index: int, place: tuple[float, ...], made: Made) -> Draw:
+    return Draw(index, place, values_at(experiment.uncertainty, np.array(place)), *made)
 
 
-def robustness(experiment: Experiment, lane: str, count: int, executor: Executor) -> Iterator[Draw]:
+def robustness(
+    experiment: Experiment, lane: str, count: int, executor: Executor, first: int = 0
+) -> Iterator[Draw]:
     """Run a lane at that many draws; yield them in their order.
+
+    Args:
+        experiment: whose ranges count.
+        lane: which lane.
+        count: how many draws there are.
+        executor: where the runs are made.
+        first: the draw to begin with; those before it are known.
 
     Raises:
         InvalidExperimentError: if there is no such lane, nothing is uncertain, or a range leads
@@ -83,7 +115,7 @@ def robustness(experiment: Experiment, lane: str, count: int, executor: Executor
     places = [tuple(unit_draw(seed, index).tolist()) for index in range(count)]
 
     def draws() -> Iterator[Draw]:
-        starts = range(0, count, TASK)
+        starts = range(first, count, TASK)
         tasks = [
             executor.submit(at_places, alone, lane, places[start : start + TASK])
             for start in starts
@@ -100,7 +132,12 @@ def robustness(experiment: Experiment, lane: str, count: int, executor: Executor
 
 
 def worst_case(
-    experiment: Experiment, lane: str, trials: int, executor: Executor, seed: int = 1
+    experiment: Experiment,
+    lane: str,
+    trials: int,
+    executor: Executor,
+    seed: int = 1,
+    known: Sequence[Draw] = (),
 ) -> Iterator[Draw]:
     """Search for the worst place within the uncertain ranges; yield what was tried.
 
@@ -113,6 +150,8 @@ def worst_case(
         trials: how many places are tried.
         executor: where the runs are made.
         seed: the same one gives the same places.
+        known: places of an earlier search with these same arguments, from its first on; they are
+            not run again.
 
     Raises:
         InvalidExperimentError: if there is no such lane, no goal to miss, nothing uncertain, or a
@@ -136,13 +175,21 @@ def worst_case(
             chosen = [
                 tuple(float(trial.params.get(name, 0.5)) for name in QUANTITIES) for trial in asked
             ]
-            tasks = [executor.submit(at_places, alone, lane, [place]) for place in chosen]
-            made = [task.result()[0] for task in tasks]
-            for trial, one in zip(asked, made, strict=True):
-                study.tell(trial, one.cost)
-            for place, one in zip(chosen, made, strict=True):
-                yield _draw(experiment, first, place, one)
-                first += 1
+            stored = known[first : first + len(chosen)]
+            tasks = [
+                executor.submit(at_places, alone, lane, [place]) for place in chosen[len(stored) :]
+            ]
+            try:
+                new = [
+                    _draw(experiment, index, chosen[index - first], task.result()[0])
+                    for index, task in enumerate(tasks, first + len(stored))
+                ]
+            finally:
+                for task in tasks:
+                    task.cancel()
+            for trial, one in zip(asked, [*stored, *new], strict=True):
+                study.tell(trial, one.outcome.cost)
+            yield from new
 
     return places()
 
@@ -160,18 +207,19 @@ def _corners(names: Sequence[str], count: int, seed: int) -> list[dict[str, floa
     ]
 
 
-def quantiles(draws: Sequence[Draw]) -> dict[str, dict[str, float | None]]:
-    """Return quantiles of every figure and of every goal's ratio over the draws.
+def quantiles(draws: Sequence[Draw]) -> dict[str, dict[str, dict[str, float | None]]]:
+    """Return quantiles over the draws: of ``figures`` and of the goals' ``ratios``, by name.
 
     A draw that came to no end counts as worse than any: where the quantile is one, it is ``None``.
     """
-    found: dict[str, dict[str, float | None]] = {}
-    for kind in ("figures", "ratios"):
-        names = getattr(draws[0].outcome, kind) if draws else {}
-        for name in names:
-            values = [getattr(draw.outcome, kind)[name] for draw in draws]
-            ends = np.sort([np.inf if value is None else value for value in values])
-            found[name] = {label: _at(ends, share) for label, share in QUANTILES.items()}
+    return {kind: _quantiles([getattr(one.outcome, kind) for one in draws]) for kind in KEPT}
+
+
+def _quantiles(rows: Sequence[dict[str, float | None]]) -> dict[str, dict[str, float | None]]:
+    found = {}
+    for name in rows[0] if rows else {}:
+        ends = np.sort([np.inf if row[name] is None else row[name] for row in rows])
+        found[name] = {label: _at(ends, share) for label, share in QUANTILES.items()}
     return found
 
 

@@ -9,19 +9,24 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from pydantic import Field
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.field_path import path_parts
+from slidetune.robot.fields.quantity import Integer, Number, Section
+from slidetune.robot.fields.quantity import field as quantity
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.study.draws import merge
-from slidetune.robot.study.knob import knob
+from slidetune.robot.study.knob import knobs
 from slidetune.robot.study.outcome import Outcome, outcomes
 
 TASK = 4
 """Runs of one task (*ours*): 50 ms or more."""
 MOST_POINTS = 10_000
 """Most runs of a sweep (*ours*)."""
+LONGEST_PATH = 200
+"""Most characters of a field's path (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,36 @@ class Point:
         return asdict(self)
 
 
+class AxisRange(Section):
+    """A field and the range that it is swept over."""
+
+    field: str = Field(
+        max_length=LONGEST_PATH,
+        title="Field",
+        description="A gain of the lane, or the path of another number, such as robot.lag.",
+    )
+    low: Number = quantity(
+        0.0, title="From", low=-1e9, high=1e9, meaning="First value, in the field's own unit."
+    )
+    high: Number = quantity(
+        1.0, title="To", low=-1e9, high=1e9, meaning="Last value, in the field's own unit."
+    )
+    count: Integer = quantity(
+        20, title="Values", low=2, high=MOST_POINTS, step=1, meaning="How many, both ends included."
+    )
+    logarithmic: bool = Field(
+        False, title="Logarithmic", description="Whether their ratio is even, not their distance."
+    )
+
+    def axis(self) -> Axis:
+        """Return the values.
+
+        Raises:
+            InvalidExperimentError: if the range is empty, or logarithmic and not above 0.
+        """
+        return axis(self.field, self.low, self.high, self.count, self.logarithmic)
+
+
 def axis(field: str, low: float, high: float, count: int, logarithmic: bool) -> Axis:
     """Return an axis of evenly spaced values, both ends included.
 
@@ -72,9 +107,16 @@ def axis(field: str, low: float, high: float, count: int, logarithmic: bool) -> 
 
 
 def sweep(
-    experiment: Experiment, lane: str, axes: Sequence[Axis], executor: Executor
+    experiment: Experiment, lane: str, axes: Sequence[Axis], executor: Executor, first: int = 0
 ) -> Iterator[Point]:
     """Run a lane at every combination; yield them in order, the last axis the fastest.
+
+    Args:
+        experiment: where to start from.
+        lane: which lane.
+        axes: fields and their values.
+        executor: where the runs are made.
+        first: the combination to begin with; those before it are known.
 
     Raises:
         InvalidExperimentError: before anything runs: for a field that isn't there, a value that it
@@ -94,7 +136,7 @@ def sweep(
     alone = only_lane(experiment, lane)
 
     def points() -> Iterator[Point]:
-        starts = range(0, len(patches), TASK)
+        starts = range(first, len(patches), TASK)
         tasks = [
             executor.submit(outcomes, alone, lane, patches[start : start + TASK])
             for start in starts
@@ -127,7 +169,10 @@ def _patch(experiment: Experiment, lane: str, name: str, value: float) -> dict[s
     """Return the patch that sets a gain, six in proportion, or a number elsewhere."""
     parts = path_parts(name)
     if len(parts) == 1:
-        found = knob(experiment, lane, name)
+        found = next((one for one in knobs(experiment, lane) if one.field == name), None)
+        if found is None:
+            known = ", ".join(one.field for one in knobs(experiment, lane))
+            raise _refusal(name, f"{lane} has no gain {name} to sweep; it has: {known}")
         return found.patch(found.at_all(value))
     place: Any = experiment.document()
     for part in parts:

@@ -13,9 +13,10 @@ from rich.text import Text
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.verdict import said
-from slidetune.robot.study.robustness import QUANTILES, Draw, quantiles
+from slidetune.robot.study.results import robustness_result, tuning_result, worst_result
+from slidetune.robot.study.robustness import QUANTILES, Draw
 from slidetune.robot.study.sweep import Axis, Point
-from slidetune.robot.study.tune import Trial, best_of, pareto_front
+from slidetune.robot.study.tune import Trial
 from slidetune.robot.study.tuning import Tuning
 from slidetune.robot.version import __version__
 from slidetune.server.report.run_report import NONE, figure_text, heading
@@ -27,15 +28,10 @@ _ENDED = FIGURES["diverged_at"]
 
 def tuning_document(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]) -> Document:
     """Return a search and what came of it as plain JSON values."""
-    best = best_of(trials)
-    soft = [name for name, goal in experiment.goals.items() if goal.priority == "soft"]
-    front = pareto_front(trials, soft) if tuning.sampler == "nsga2" else []
     return {
         "slidetune": __version__,
         "tuning": tuning.model_dump(mode="json"),
-        "present": trials[0].document() if trials else None,
-        "best": None if best is None else best.document(),
-        "front": [trial.number for trial in front],
+        **tuning_result(experiment, tuning, trials),
         "trials": [trial.document() for trial in trials],
         "experiment": experiment.document(),
     }
@@ -45,16 +41,12 @@ def robustness_document(
     experiment: Experiment, lane: str, draws: Sequence[Draw], tried: Sequence[Draw]
 ) -> Document:
     """Return draws, their quantiles and the worst found as plain JSON values."""
-    count = max(len(draws), 1)
-    worst = max(tried, key=lambda one: one.outcome.cost, default=None)
     return {
         "slidetune": __version__,
         "lane": lane,
         "draws": [draw.document() for draw in draws],
-        "quantiles": quantiles(draws),
-        "diverged": sum(one.outcome.diverged_at is not None for one in draws) / count,
-        "kept": sum(one.outcome.kept for one in draws) / count,
-        "worst_found": None if worst is None else worst.document(),
+        **robustness_result(draws),
+        **worst_result(tried),
         "experiment": experiment.document(),
     }
 
@@ -143,10 +135,10 @@ def print_robustness(experiment: Experiment, document: Document, console: Consol
     table = _table("", *QUANTILES)
     found = document["quantiles"]
     for name in STUDIED:
-        cells = (figure_text(FIGURES[name], found[name][label]) for label in QUANTILES)
+        cells = (figure_text(FIGURES[name], found["figures"][name][label]) for label in QUANTILES)
         _row(table, heading(FIGURES[name]), *cells)
     for name, goal in experiment.goals.items():
-        cells = (_number(found[name][label]) for label in QUANTILES)
+        cells = (_number(found["ratios"][name][label]) for label in QUANTILES)
         _row(table, f"ratio of {name}: {said(goal)}", *cells)
     console.print(table)
     worst = document["worst_found"]

@@ -100,7 +100,7 @@ def test_robustness_tells_quantiles_and_the_worst_found(goal: Experiment, tmp_pa
     assert len(masses) == 12
     assert all(0.0 <= mass <= 3.0 for mass in masses)
     errors = sorted(draw["outcome"]["figures"]["mae"] for draw in document["draws"])
-    assert document["quantiles"]["mae"]["worst"] == errors[-1]
+    assert document["quantiles"]["figures"]["mae"]["worst"] == errors[-1]
 
 
 def test_sweep_writes_one_row_a_combination(goal: Experiment, tmp_path: Path) -> None:

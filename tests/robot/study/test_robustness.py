@@ -46,14 +46,14 @@ def test_quantiles_are_those_that_the_share_keeps_to() -> None:
         Draw(index, (), {}, Outcome(value, value, True, {"g": value}, {"mae": value}))
         for index, value in enumerate(values.tolist())
     ]
-    found = quantiles(draws)["mae"]
+    found = quantiles(draws)["figures"]["mae"]
     for name, share in (("p5", 0.05), ("median", 0.5), ("p95", 0.95), ("worst", 1.0)):
         bound = found[name]
         assert bound is not None
         assert np.mean(values <= bound) >= share
         assert np.mean(values < bound) < share
     failed = Draw(40, (), {}, Outcome(3.0, None, False, {"g": None}, {"mae": None}, 0.1))
-    worse = quantiles([*draws, failed])["g"]
+    worse = quantiles([*draws, failed])["ratios"]["g"]
     assert worse["worst"] is None
     assert worse["median"] is not None
 
