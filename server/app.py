@@ -21,6 +21,7 @@ from slidetune.server.hosting.static_paths import PLOTLY, WEB
 from slidetune.server.routes.docs import docs_router
 from slidetune.server.routes.experiment import experiment_router
 from slidetune.server.routes.history import history_router
+from slidetune.server.routes.kept_studies import kept_studies_router
 from slidetune.server.routes.lens import lens_router
 from slidetune.server.routes.lessons import lessons_router
 from slidetune.server.routes.live import live_router
@@ -90,6 +91,7 @@ def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     app.include_router(lessons_router())
     app.include_router(preview_router(app_state))
     app.include_router(studies_router(app_state))
+    app.include_router(kept_studies_router(app_state))
     app.include_router(lens_router(app_state))
     app.include_router(results_router(app_state))
     app.include_router(live_router(app_state, hub))

@@ -16,4 +16,5 @@ def user_presets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Folder of the user's presets in this test; nothing is in it, and it needn't exist yet."""
     folder = tmp_path / "presets"
     monkeypatch.setenv("SLIDETUNE_PRESETS", str(folder))
+    monkeypatch.setenv("SLIDETUNE_STUDIES", str(tmp_path / "studies"))
     return folder

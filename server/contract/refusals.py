@@ -26,10 +26,12 @@ from slidetune.server.guard.errors import error_body
 from slidetune.server.guard.limits import (
     MessageTooLargeError,
     SessionBusyError,
+    TooManyKeptStudiesError,
     TooManyPatchesError,
     TooManyPresetsError,
     TooManyStudiesError,
 )
+from slidetune.server.studies.store import StudyStorageError, UnknownStudyError
 
 log = logging.getLogger("slidetune.http")
 
@@ -54,6 +56,9 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (TooManyPatchesError, 429, "too_many_patches"),
     (TooManyStudiesError, 429, "too_many_studies"),
     (TooManyPresetsError, 507, "too_many_presets"),
+    (TooManyKeptStudiesError, 507, "too_many_kept_studies"),
+    (UnknownStudyError, 404, "unknown_study"),
+    (StudyStorageError, 507, "storage"),
 )
 _LONGEST = 200
 

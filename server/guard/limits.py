@@ -34,6 +34,10 @@ SCENE_BURST = 480
 """Messages to the 3D scene that pass at once after a rest (*ours*)."""
 MAX_STUDIES = 8
 """Most studies under way at once; each has one run in the workers at a time (*ours*)."""
+MAX_KEPT_STUDIES = 200
+"""Most studies that are kept (*ours*): listing them reads each experiment once."""
+MAX_FOLLOWED = 32
+"""Most clients that follow a study at once (*ours*)."""
 MAX_PRESETS = 200
 """Most presets of the user's own (*ours*): listing them reads each once, about 10 ms."""
 
@@ -58,6 +62,10 @@ class TooManyStudiesError(LimitError):
     """As many studies as may be are under way."""
 
 
+class TooManyKeptStudiesError(LimitError):
+    """There are as many studies as may be."""
+
+
 class TooManyPresetsError(LimitError):
     """There are as many presets as may be."""
 
@@ -76,5 +84,7 @@ def limits_document() -> dict[str, int]:
         "all_patches_at_once": TOTAL_BURST,
         "scene_messages_a_second": int(SCENE_RATE),
         "studies": MAX_STUDIES,
+        "kept_studies": MAX_KEPT_STUDIES,
+        "followed_studies": MAX_FOLLOWED,
         "presets": MAX_PRESETS,
     }

@@ -13,7 +13,6 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body
 from fastapi.responses import StreamingResponse
 from pydantic import Field
-from starlette.types import Receive, Scope, Send
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.figures import STUDIED
@@ -25,6 +24,7 @@ from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
+from slidetune.server.routes.limited_stream import LimitedStream
 from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"
@@ -36,18 +36,6 @@ LINES: dict[int | str, dict[str, Any]] = {
     429: {"model": ErrorAnswer},
 }
 _FULL = f"{MAX_STUDIES} studies are running already: try again when one of them has ended"
-
-
-class _Limited(StreamingResponse):
-    """An answer that counts as under way until all of it is sent, or its client has gone."""
-
-    def __init__(self, running: ConcurrencyLimit, lines: AsyncIterator[str]) -> None:
-        super().__init__(lines, media_type=NDJSON)
-        self._running = running
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        with self._running.one():
-            await super().__call__(scope, receive, send)
 
 
 class StudyRequest(Strict):
@@ -114,7 +102,7 @@ def studies_router(app_state: AppState) -> APIRouter:
                 for task in under_way:
                     task.cancel()
 
-        return _Limited(running, lines())
+        return LimitedStream(running, lines(), NDJSON)
 
     @router.post("/strip", response_class=StreamingResponse, responses=LINES)
     async def one_knob(wanted: Annotated[StripRequest, Body()]) -> StreamingResponse:

@@ -14,6 +14,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.margin import loop_margin
+from slidetune.server.compute.executor import LocalExecutor
 from slidetune.server.compute.preview import Previews
 from slidetune.server.compute.workers import Workers
 from slidetune.server.live.lane_colors import LaneColors
@@ -24,6 +25,8 @@ from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
+from slidetune.server.studies.runner import StudyRunner
+from slidetune.server.studies.store import StudyStore, study_folder
 
 log = logging.getLogger("slidetune.app_state")
 
@@ -63,6 +66,7 @@ class AppState:
         workers: threads for whole runs.
         previews: whole responses for the screen.
         results: what the owner last asked for of the live experiment.
+        studies: searches, draws and sweeps that outlive a request.
         started: monotonic time of the start in [s].
     """
 
@@ -79,6 +83,7 @@ class AppState:
         self.workers = Workers()
         self.previews = Previews(self.workers)
         self.results = LastResults()
+        self.studies = StudyRunner(StudyStore(study_folder()), lambda: LocalExecutor(nice=True))
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
 
@@ -87,11 +92,13 @@ class AppState:
         self.view.draw(self.session.loop)  # the first picture is slow: not on the session's time
         self.session.start()
         self.workers.start()
+        self.studies.start()
 
     def stop(self) -> None:
         """End the session, the workers and the scene."""
         self.session.stop()
         self.workers.stop()
+        self.studies.close()
         self.view.scene.close()
 
     def experiment_of(

@@ -176,7 +176,10 @@ def start_dashboard(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[
 def shared_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
     """A dashboard for all tests; `dashboard` puts it back to its beginning."""
     folder = tmp_path_factory.mktemp("dashboard")
-    environment = {"SLIDETUNE_PRESETS": str(folder / "presets")}
+    environment = {
+        "SLIDETUNE_PRESETS": str(folder / "presets"),
+        "SLIDETUNE_STUDIES": str(folder / "studies"),
+    }
     with running((), folder / "dashboard.txt", environment) as dashboard:
         yield dashboard
 

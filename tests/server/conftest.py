@@ -42,6 +42,7 @@ def serving(presets: Path, token: bool = False) -> Iterator[Served]:
     """Start a server with a folder of own presets; ``http`` speaks as its owner."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIDETUNE_PRESETS", str(presets))
+        patch.setenv("SLIDETUNE_STUDIES", str(presets / "studies"))
         app_state = AppState(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
         bound = free_socket("127.0.0.1", 0)
         port = bound.getsockname()[1]

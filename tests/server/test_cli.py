@@ -26,6 +26,7 @@ def slidetune(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]
         "PYTHONPATH": str(ROOT),
         "PYTHONIOENCODING": "utf-8",
         "SLIDETUNE_PRESETS": str(folder),
+        "SLIDETUNE_STUDIES": str(folder / "studies"),
     }
     return subprocess.run(
         [sys.executable, "-m", "slidetune", *arguments],

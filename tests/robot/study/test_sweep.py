@@ -45,7 +45,7 @@ def test_every_combination_is_run_in_order_with_the_last_axis_the_fastest() -> N
 @pytest.mark.parametrize(
     ("axes", "path", "words"),
     [
-        ([Axis("mass", (1.0, 2.0))], "field", "no gain mass"),
+        ([Axis("mass", (1.0, 2.0))], "mass", "no gain mass"),
         ([Axis("robot.mass", (1.0, 2.0))], "robot.mass", "no number stands"),
         ([Axis("robot.payload", (1.0, 2.0))], "robot.payload", "no number to sweep"),
         ([Axis("robot.lag", (0.0, 1.0))], "robot.lag", "[0, 0.05] s"),

@@ -35,6 +35,9 @@ NAMED = [
     ("GET", "/scene/{}"),
     ("POST", "/api/history/{}/restore"),
     ("POST", "/api/studies/{}"),
+    ("GET", "/api/studies/{}"),
+    ("GET", "/api/studies/{}/download?format=yaml"),
+    ("DELETE", "/api/studies/{}"),
 ]
 # Ways to say "the folder above, and there the file secret".
 CLIMBING = [

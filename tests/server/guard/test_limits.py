@@ -48,6 +48,7 @@ BODY_ROUTES = [
     ("POST", "/api/preview"),
     ("POST", "/api/lens"),
     ("POST", "/api/threshold"),
+    ("POST", "/api/studies"),
     ("POST", "/api/studies/strip"),
     ("POST", "/api/studies/sensitivity"),
     ("POST", "/api/studies/switching"),

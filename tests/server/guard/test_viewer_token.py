@@ -41,8 +41,11 @@ EVERYTHING_THAT_READS = [
     "/api/presets/paper",
     "/api/history",
     "/api/lessons",
+    "/api/studies",
+    "/api/studies/kinds",
     "/scene/",
 ]
+OF_A_STUDY = ("", "/entries", "/bands", "/events", "/download")
 NOTHING_YET = ["/api/results/response", "/api/results/lens?lane=NFTSM&lens=sliding"]
 """What the owner has to ask for first."""
 CAMERA = {
@@ -145,7 +148,23 @@ def test_the_list_of_what_reads_is_complete(shared: Served) -> None:
     reading = {path for path, methods in paths.items() if "get" in methods}
     tried = [*EVERYTHING_THAT_READS, *NOTHING_YET]
     missing = reading - {path.partition("?")[0] for path in tried}
-    assert missing == {"/api/presets/{name}", "/api/lessons/{name}"}
+    of_one_study = {f"/api/studies/{{number}}{rest}" for rest in OF_A_STUDY}
+    assert missing == {"/api/presets/{name}", "/api/lessons/{name}", *of_one_study}
+
+
+def test_a_viewer_reads_and_follows_studies(shared: Served, viewer: httpx.Client) -> None:
+    experiment = {
+        "lanes": {"A": {"law": "nftsm"}},
+        "simulation": {"horizon": 0.1},
+        "uncertainty": {"payload": [0.0, 1.0]},
+    }
+    body = {"kind": "robustness", "wanted": {"draws": 1}, "experiment": experiment}
+    number = shared.http.post("/api/studies", json=body).json()["id"]
+    for rest in OF_A_STUDY:
+        query = "?format=csv" if rest == "/download" else ""
+        assert viewer.get(f"/api/studies/{number}{rest}{query}").status_code == 200
+    assert viewer.post(f"/api/studies/{number}/stop").status_code == 403
+    assert viewer.delete(f"/api/studies/{number}").status_code == 403
 
 
 def changing(server: Served) -> list[tuple[str, str]]:

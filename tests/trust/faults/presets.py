@@ -104,7 +104,7 @@ def kill_server(quick: bool) -> Outcome:
     number, saves, cut = 0, 0, 0
     with tempfile.TemporaryDirectory() as name:
         for _ in range(kills):
-            environment = {"SLIDETUNE_PRESETS": name}
+            environment = {"SLIDETUNE_PRESETS": name, "SLIDETUNE_STUDIES": f"{name}/studies"}
             with served(environment=environment) as server:
                 last = _put_until_killed(server, number + 1, dice.uniform(0.0, 2 * WINDOW))
             saves += last - number

@@ -89,7 +89,9 @@ def fresh_server() -> Iterator[RunningServer]:
     """Start a server with a folder of presets of its own."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        running_server((), {"SLIDETUNE_PRESETS": folder}) as server,
+        running_server(
+            (), {"SLIDETUNE_PRESETS": folder, "SLIDETUNE_STUDIES": f"{folder}/studies"}
+        ) as server,
     ):
         yield server
 

@@ -27,6 +27,7 @@ BATCH = 24
 CLEAR_CLOSES = (1007, 1008, 1009, 1013)
 """Not UTF-8, refused, too large, later: closing is the WebSocket's own word for these."""
 _PATIENCE = 15.0
+_LONG_PATIENCE = 120.0
 _SILENT = logging.getLogger("slidetune.fuzz")
 _SILENT.setLevel(logging.CRITICAL + 1)
 _SCHEMA = TypeAdapter(ClientMessage).json_schema()
@@ -140,11 +141,11 @@ class LiveFuzz:
         socket, missing, end = (
             self._connected(),
             {"state", "metrics", "frame"},
-            time.monotonic() + 20,
+            time.monotonic() + _LONG_PATIENCE,
         )
         socket.send('{"type": "play"}')
         while missing and time.monotonic() < end:
-            told = socket.recv(timeout=20)
+            told = socket.recv(timeout=_LONG_PATIENCE)
             missing -= {"frame"} if isinstance(told, bytes) else {json.loads(told)["type"]}
         return ", ".join(sorted(missing))
 

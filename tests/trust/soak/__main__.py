@@ -61,7 +61,9 @@ def main(
 
 
 def _server(presets: str) -> AbstractContextManager[RunningServer]:
-    return running_server((), {"SLIDETUNE_PRESETS": presets})
+    return running_server(
+        (), {"SLIDETUNE_PRESETS": presets, "SLIDETUNE_STUDIES": f"{presets}/studies"}
+    )
 
 
 def _soak(presets: str, seconds: float, bar: Bar) -> Verdict:

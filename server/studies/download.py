@@ -1,0 +1,110 @@
+"""A study as a file: itself in YAML, its entries as CSV or Parquet, its best gains as a preset."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import Literal
+
+from arro3.core import Array, DataType, Field, Schema, Table
+from arro3.io import write_parquet
+from ruamel.yaml import YAML
+
+from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
+from slidetune.robot.loop.figures import FIGURES
+from slidetune.robot.study.results import result_of, table_of
+from slidetune.robot.study.study import Entry, Study
+from slidetune.robot.study.tune import Trial, best_of
+
+Format = Literal["yaml", "csv", "parquet", "preset"]
+MEDIA: dict[Format, str] = {
+    "yaml": "application/yaml",
+    "csv": "text/csv",
+    "parquet": "application/vnd.apache.parquet",
+    "preset": "application/yaml",
+}
+SUFFIXES: dict[Format, str] = {
+    "yaml": "yaml",
+    "csv": "csv",
+    "parquet": "parquet",
+    "preset": "preset.yaml",
+}
+_WHOLE, _TRUTH, _WORDS = {"number", "draws"}, {"kept", "beaten"}, {"refused"}
+
+
+def download(
+    study: Study, title: str, entries: Sequence[Entry], format: Format
+) -> tuple[bytes, str]:
+    """Return a study as the content of a file, and its media type.
+
+    Raises:
+        InvalidExperimentError: if a preset is asked for of what found no gains.
+    """
+    writers = {"csv": csv_of, "parquet": parquet_of}
+    if format == "preset":
+        content = _preset(study, entries)
+    elif format == "yaml":
+        content = _document(study, title, entries)
+    else:
+        content = writers[format](study, entries)
+    return content, MEDIA[format]
+
+
+def unit_of(column: str) -> str:
+    """Return the unit of a column of ``table_of``, empty for none or where it is the field's."""
+    return FIGURES[column].unit if column in FIGURES else ""
+
+
+def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
+    """Return entries as CSV, one a line, SI units in the heading."""
+    table = table_of(study, entries)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(f"{name} [{unit_of(name)}]" if unit_of(name) else name for name in table)
+    for row in zip(*table.values(), strict=True):
+        writer.writerow("" if cell is None else cell for cell in row)
+    return text.getvalue().encode()
+
+
+def parquet_of(study: Study, entries: Sequence[Entry]) -> bytes:
+    """Return entries as a Parquet file; each column's ``unit`` is in its metadata."""
+    table = table_of(study, entries)
+    fields = [Field(name, _type(name), metadata={"unit": unit_of(name)}) for name in table]
+    columns = [Array(table[one.name], one.type) for one in fields]
+    file = io.BytesIO()
+    write_parquet(Table.from_arrays(columns, schema=Schema(fields)), file)
+    return file.getvalue()
+
+
+def _type(column: str) -> DataType:
+    if column in _WHOLE:
+        return DataType.int64()
+    if column in _TRUTH:
+        return DataType.bool()
+    return DataType.string() if column in _WORDS else DataType.float64()
+
+
+def _document(study: Study, title: str, entries: Sequence[Entry]) -> bytes:
+    """Return what begins the study again where it is sent to ``POST /api/studies``, and more."""
+    document = {
+        "kind": study.kind,
+        "title": title,
+        "wanted": study.wanted.model_dump(mode="json"),
+        "experiment": study.experiment.document(),
+        "result": result_of(study, entries),
+    }
+    yaml = YAML()
+    yaml.default_flow_style = None
+    text = io.BytesIO()
+    yaml.dump(document, text)
+    return text.getvalue()
+
+
+def _preset(study: Study, entries: Sequence[Entry]) -> bytes:
+    best = best_of([one for one in entries if isinstance(one, Trial)])
+    if best is None:
+        text = "this study found no gains to write: a preset is what a search comes to"
+        raise InvalidExperimentError([FieldError("format", text, "preset")])
+    return experiment_to_yaml(study.experiment.patched(best.patch)).encode()
