@@ -58,8 +58,8 @@ class StudyAnswer(StudySummary):
     experiment: dict[str, Any]
     result: dict[str, Any] = Field(
         description="What its entries show so far. `tune`: `present`, `best`, `front` (numbers of "
-        "trials) and `importance`; `robustness`: `quantiles`, `diverged`, `kept`; `worst`: "
-        "`worst_found`, which is no proof that there is none worse; `sweep`: `axes`."
+        "trials), `importance` and `correlations`; `robustness`: `quantiles`, `diverged`, `kept`; "
+        "`worst`: `worst_found`, which is no proof that there is none worse; `sweep`: `axes`."
     )
 
 

@@ -42,7 +42,7 @@ def kill_studies(quick: bool) -> Outcome:
                     number = http.post("/api/studies", json=body).raise_for_status().json()["id"]
                 begin = _made(http, number)
                 promises.hold(begin >= (counts or [0])[-1], "entries that were told are gone")
-                # So that every life gets a little further, and there is something left for the last.
+                # Every life gets a little further, and something is left for the last.
                 _wait(http, number, min(begin + 1, trials - kills + kill))
                 time.sleep(dice.uniform(0.0, 0.3))
                 counts.append(_made(http, number))
