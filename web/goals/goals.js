@@ -93,7 +93,7 @@ export class Goals {
     for (const [name, row] of this.#rows) row.show({goal: goals[name], horizon, lanes, verdicts});
     this.#score.replaceChildren(...(names.length ? [
       element('span', {class: 'goal-score-name'}, 'score'),
-      ...lanes.map((lane, index) => chip(lane, verdicts[index]?.score, verdicts[index])),
+      ...lanes.map((lane, index) => chip(lane, scoreOf(verdicts[index], names))),
     ] : []));
   }
 
@@ -110,4 +110,15 @@ export class Goals {
       if (this.#list.children[index] !== row) this.#list.insertBefore(row, this.#list.children[index] ?? null);
     });
   }
+}
+
+/**
+ * @param {import('../api/preview_message.js').Verdict|null} verdict
+ * @param {string[]} names of the goals
+ * @returns {number|null|undefined} nothing while it is the score of other goals
+ */
+function scoreOf(verdict, names) {
+  const judged = Object.keys(verdict?.ratios ?? {});
+  const same = judged.length === names.length && names.every((name) => judged.includes(name));
+  return same ? verdict?.score : undefined;
 }

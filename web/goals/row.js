@@ -87,7 +87,7 @@ export class GoalRow {
     this.#priority.title = `Make it ${other}`;
     this.#priority.setAttribute('aria-label', `${this.#name} is ${goal.priority}: make it ${other}`);
     this.#ratios.replaceChildren(...lanes.map((lane, index) => (
-      chip(lane, verdicts[index]?.ratios[this.#name], verdicts[index])
+      chip(lane, verdicts[index]?.ratios[this.#name])
     )));
   }
 
@@ -156,11 +156,10 @@ export function jointOptions() {
  * One lane's ratio: green where it keeps to the bound, red where it does not.
  *
  * @param {import('../api/api.js').Lane} lane
- * @param {number|null|undefined} ratio
- * @param {object|null|undefined} verdict null where there is no response yet
+ * @param {number|null|undefined} ratio null where the run can't tell, undefined before there is one
  */
-export function chip({name, color}, ratio, verdict) {
-  const known = Boolean(verdict);
+export function chip({name, color}, ratio) {
+  const known = ratio !== undefined;
   const kept = known && typeof ratio === 'number' && ratio <= 1;
   const words = known ? kept ? 'kept' : 'missed' : 'not computed yet';
   const dot = element('span', {class: 'metrics-dot', 'aria-hidden': 'true'});

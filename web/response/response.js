@@ -98,7 +98,12 @@ class ResponsePlots {
     this.#before.addEventListener('change', show);
     this.#baselines.addEventListener('change', show);
     api.addEventListener('hello', () => { this.#completeIfSeen(); show(); });
-    api.addEventListener('patch', () => { this.#head.show(); this.#mark(); });
+    api.addEventListener('patch', (event) => {
+      this.#head.show();
+      this.#mark();
+      // A bound is seen where it is before it is judged.
+      if (/** @type {CustomEvent} */ (event).detail.patch.goals) this.#screen.request();
+    });
     api.addEventListener('moving', () => {
       if (api.moving && this.#opens && !this.#seen) this.#tab?.open();
     });

@@ -281,3 +281,34 @@ def test_without_goals_nothing_lies_over_the_plots(page: Page, dashboard: Dashbo
     patch(dashboard, {"goals": {"near": None}})
     settled(page, dashboard)
     expect(page.locator(".bound-grip, .bound-shading path")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("values", "goal", "gap", "spans"),
+    [
+        ([0, 2, 0, -2, 0], {"bound": 1}, 0, [[0.5, 1.5], [2.5, 3.5]]),
+        ([0, 2, 0, -2, 0], {"bound": 1}, 1, [[0.5, 3.5]]),
+        ([0, 2, 0, -2, 0], {"bound": 1, "start": 1, "end": 3}, 0, [[1, 1.5], [2.5, 3]]),
+        ([0, 1, -1, 0, 1], {"bound": 1}, 0, []),
+        ([0, 0, 0, None, None], {"bound": 1, "end": 3.5}, 0, [[3, 3.5]]),
+        ([0, 0, 0, None, None], {"bound": 1, "end": 2.5}, 0, []),
+    ],
+)
+def test_a_bound_is_left_between_points_and_where_there_are_no_numbers_any_more(
+    page: Page,
+    dashboard: Dashboard,
+    values: list[float | None],
+    goal: dict[str, float],
+    gap: float,
+    spans: list[list[float]],
+) -> None:
+    page.goto(f"{dashboard.url}docs")
+    found = page.evaluate(
+        """async ([values, goal, gap]) => {
+          const {violations} = await import('/static/bounds/violations.js');
+          const numbers = values.map((value) => value ?? NaN);
+          return violations(values.map((_, row) => row), numbers, goal, gap);
+        }""",
+        [values, goal, gap],
+    )
+    assert found == spans
