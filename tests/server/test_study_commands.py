@@ -73,7 +73,7 @@ def test_tune_ends_with_4_where_no_gains_keep_the_hard_goals(
         (("tune", "goal.yaml", "--study", "bad.yaml"), "line 2: gains.nu.high"),
         (("tune", "goal.yaml", "--study", "none.yaml"), "none.yaml"),
         (("robustness", "paper"), "give a quantity of uncertainty a range"),
-        (("fit", "goal.yaml", "bad-fit.yaml"), "line 2: fields.robot.lag.high"),
+        (("fit", "goal.yaml", "bad-fit.yaml"), 'line 2: fields."robot.lag".high'),
         (("fit", "goal.yaml", "lost.yaml"), "lost.yaml"),
         (("sweep", "goal.yaml", "nu=1:2"), "k1=10:500:20:log"),
         (("sweep", "goal.yaml", "nu=1:2:3", "k1=1:2:3", "k2=1:2:3"), "one field or two"),
