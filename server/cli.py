@@ -69,6 +69,9 @@ def serve(
     preset: PresetOption = "paper",
     browser: Annotated[bool, typer.Option(help="Open the dashboard in a browser.")] = True,
     token: TokenOption = False,
+    scheduler: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Cluster that makes the runs of studies (Dask).")
+    ] = "",
 ) -> None:
     """Serve the dashboard.
 
@@ -83,7 +86,7 @@ def serve(
     experiment = load_preset(preset)
     warm_up_with_bar(console)
     name = preset if is_preset_name(preset) else ""
-    serve_dashboard(experiment, name, host, port, browser, token)
+    serve_dashboard(experiment, name, host, port, browser, token, scheduler)
 
 
 @cli.command()

@@ -100,7 +100,13 @@ def _say(text: str) -> None:
 
 
 def serve(
-    experiment: Experiment, preset: str, host: str, port: int, browser: bool, token: bool = False
+    experiment: Experiment,
+    preset: str,
+    host: str,
+    port: int,
+    browser: bool,
+    token: bool = False,
+    scheduler: str = "",
 ) -> None:
     """Serve the dashboard until it is interrupted.
 
@@ -111,6 +117,7 @@ def serve(
         port: wanted port; the next free one if it is taken.
         browser: whether to open a browser.
         token: whether to ask for a token on loopback too.
+        scheduler: address of the cluster that makes the runs of studies; this machine without.
 
     Raises:
         OSError: if no port is free.
@@ -121,6 +128,6 @@ def serve(
         if port not in (0, actual):
             console.print(f"Port {port} is taken: using {actual}.")
         policy = policy_for(host, actual, token)
-        config = server_config(create_app(AppState(experiment, preset), policy))
+        config = server_config(create_app(AppState(experiment, preset, scheduler), policy))
         leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

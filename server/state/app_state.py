@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from dataclasses import asdict
 from time import monotonic
 from typing import Any
@@ -14,6 +16,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.margin import loop_margin
+from slidetune.server.compute.cluster import cluster_executor
 from slidetune.server.compute.executor import LocalExecutor
 from slidetune.server.compute.preview import Previews
 from slidetune.server.compute.workers import Workers
@@ -72,8 +75,14 @@ class AppState:
         started: monotonic time of the start in [s].
     """
 
-    def __init__(self, experiment: Experiment, preset: str = "") -> None:
-        """Build all parts; ``start`` lets them run."""
+    def __init__(self, experiment: Experiment, preset: str = "", scheduler: str = "") -> None:
+        """Build all parts; ``start`` lets them run.
+
+        Args:
+            experiment: what to begin with.
+            preset: name of the preset that it comes from.
+            scheduler: address of the cluster that makes the runs of studies; this machine without.
+        """
         packed = pack(experiment)
         self.colors = LaneColors()
         self.colors.assign(list(packed.gains))
@@ -86,7 +95,7 @@ class AppState:
         self.workers = Workers()
         self.previews = Previews(self.workers)
         self.results = LastResults()
-        self.studies = StudyRunner(StudyStore(study_folder()), lambda: LocalExecutor(nice=True))
+        self.studies = StudyRunner(StudyStore(study_folder()), lambda: self._executor(scheduler))
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
 
@@ -103,6 +112,12 @@ class AppState:
         self.workers.stop()
         self.studies.close()
         self.view.scene.close()
+
+    def _executor(self, scheduler: str) -> AbstractContextManager[Executor]:
+        """Return where a study's runs are made."""
+        if scheduler:
+            return cluster_executor(scheduler, lambda said: self.session.on_notice(said))
+        return LocalExecutor(nice=True)
 
     def experiment_of(
         self, document: Mapping[str, Any] | None, patch: Mapping[str, Any]

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError as NeverBegunError
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,7 +49,9 @@ class StudyRunner:
     has ended, by the next; a lock file keeps two from the same study.
     """
 
-    def __init__(self, store: StudyStore, executor: Callable[[], Executor]) -> None:
+    def __init__(
+        self, store: StudyStore, executor: Callable[[], AbstractContextManager[Executor]]
+    ) -> None:
         """Say where studies are kept, and where their runs are made."""
         self.store = store
         self._executor = executor
