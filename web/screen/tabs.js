@@ -18,7 +18,8 @@ const TABS = [
 /**
  * @param {HTMLElement} place
  * @param {HTMLElement} workspace its `data-tab` says which part is chosen
- * @param {import('../api/api.js').Api} api the event `show` is about the plots
+ * @param {import('../api/api.js').Api} api the event `show` is about the plots,
+ *   `group` about the controls
  */
 export function mountTabs(place, workspace, api) {
   const choose = (/** @type {string} */ id) => {
@@ -44,6 +45,7 @@ export function mountTabs(place, workspace, api) {
     buttons[next].focus();
   });
   api.addEventListener('show', () => choose('plots'));
+  api.addEventListener('group', () => choose('tune'));
   const last = recall('tab');
   choose(TABS.find(({id}) => id === last)?.id ?? 'tune');
 }
