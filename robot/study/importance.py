@@ -1,10 +1,11 @@
-"""Which of the searched gains counted: the share of the good trials that each one explains."""
+"""Which of the searched gains counted, and which way each figure goes with it."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
 
+import numpy as np
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
 from optuna.importance import PedAnovaImportanceEvaluator
@@ -56,3 +57,45 @@ def importance(
         found = optuna.importance.get_param_importances(study, evaluator=evaluator)
     total = sum(found.values()) or 1.0
     return {name: float(share) / total for name, share in found.items()}
+
+
+def correlations(
+    experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]
+) -> dict[str, dict[str, float | None]] | None:
+    """Return how each figure's rank goes with that of each searched number; ``None`` of too few.
+
+    Args:
+        experiment: of the search.
+        tuning: what it was told.
+        trials: those made so far. Of a search that follows the good ones it says how these lie; of
+            ``sobol`` it holds over the whole ranges.
+
+    Returns:
+        By name of the dimension and of the figure: Spearman's coefficient, -1 to 1, over the trials
+        that came to their end; ``None`` where a figure is the same in all.
+    """
+    ended = [one for one in trials if None not in one.outcome.figures.values()]
+    if len(ended) < FEWEST:
+        return None
+    names = list(ended[0].outcome.figures)
+    figures = _ranks([[one.outcome.figures[name] for name in names] for one in ended])
+    space = search_space(experiment, tuning)
+    values = _ranks([[one.values[dimension.name] for dimension in space] for one in ended])
+    return {
+        dimension.name: {
+            name: _correlation(values[:, place], figures[:, column])
+            for column, name in enumerate(names)
+        }
+        for place, dimension in enumerate(space)
+    }
+
+
+def _ranks(rows: Sequence[Sequence[float | None]]) -> np.ndarray:
+    from scipy.stats import rankdata  # slow to import, and only some studies ask
+
+    return np.asarray(rankdata(np.array(rows, dtype=float), axis=0))
+
+
+def _correlation(one: np.ndarray, other: np.ndarray) -> float | None:
+    spread = float(np.std(one) * np.std(other))
+    return float(np.mean((one - one.mean()) * (other - other.mean())) / spread) if spread else None

@@ -9,7 +9,7 @@ import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.study.curves import bands
-from slidetune.robot.study.importance import importance
+from slidetune.robot.study.importance import correlations, importance
 from slidetune.robot.study.robustness import Draw, quantiles
 from slidetune.robot.study.study import Entry, Study
 from slidetune.robot.study.sweep import Point
@@ -47,6 +47,7 @@ def tuning_result(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial
         "best": None if best is None else best.document(),
         "front": [trial.number for trial in front],
         "importance": importance(experiment, tuning, trials),
+        "correlations": correlations(experiment, tuning, trials),
     }
 
 

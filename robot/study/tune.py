@@ -14,7 +14,7 @@ from typing import Any
 
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
-from optuna.samplers import BaseSampler, CmaEsSampler, NSGAIISampler, TPESampler
+from optuna.samplers import BaseSampler, CmaEsSampler, NSGAIISampler, QMCSampler, TPESampler
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
@@ -110,6 +110,8 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
 def _sampler(tuning: Tuning) -> BaseSampler:
     if tuning.sampler == "cmaes":
         return CmaEsSampler(seed=tuning.seed, warn_independent_sampling=False)
+    if tuning.sampler == "sobol":
+        return QMCSampler(qmc_type="sobol", scramble=True, seed=tuning.seed)
     if tuning.sampler == "nsga2":
         return NSGAIISampler(population_size=POPULATION, seed=tuning.seed)
     return TPESampler(seed=tuning.seed, n_startup_trials=2 * BATCH, multivariate=True)

@@ -11,7 +11,7 @@ from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.fields.quantity import Integer, Number, Section, field, refusal
 from slidetune.robot.study.draws import check_ranges
 
-Sampler = Literal["tpe", "cmaes", "nsga2"]
+Sampler = Literal["tpe", "cmaes", "nsga2", "sobol"]
 
 MOST_TRIALS, MOST_DRAWS = 20_000, 2_000
 MOST_GAINS = 24
@@ -64,8 +64,9 @@ class Tuning(Section):
     sampler: Sampler = field(
         "tpe",
         title="Sampler",
-        meaning="How the next gains are chosen: tpe (Parzen estimators), cmaes (CMA-ES), or nsga2, "
-        "which looks for the best compromises between several soft goals.",
+        meaning="How the next gains are chosen: tpe (Parzen estimators), cmaes (CMA-ES), nsga2, "
+        "which looks for the best compromises between several soft goals, or sobol, which covers "
+        "the ranges evenly to tell how much each gain counts.",
     )
     trials: Integer = field(
         200,

@@ -15,6 +15,7 @@ from websockets.sync.connection import Connection
 
 from slidetune.server.bench.preview import measure_drag
 from slidetune.server.bench.result import Measurement, measurement
+from slidetune.server.bench.searches import measure_beside, own_studies
 from slidetune.server.bench.served import (
     RunningServer,
     ServerStartError,
@@ -143,7 +144,7 @@ def _pace(
 
 
 def _with_client(quick: bool, progress: Callable[[float], None]) -> tuple[float, list[Measurement]]:
-    with running_server() as server:
+    with own_studies() as environment, running_server((), environment) as server:
         progress(0.3)
         # The workers load what they need at the start: until then they are the busiest.
         wanted = {"patch": {"simulation": {"horizon": 0.5}}}
@@ -157,6 +158,7 @@ def _with_client(quick: bool, progress: Callable[[float], None]) -> tuple[float,
             rows.append(_latency(connection, 10 if quick else 200))
         progress(0.8)
         rows += measure_drag(server.port, quick)
+        rows += measure_beside(server.port, quick)
     return server.ready, rows
 
 

@@ -20,6 +20,7 @@ from slidetune.robot.version import __version__
 from slidetune.server.bench.compiling import measure_compiling
 from slidetune.server.bench.live import measure_live
 from slidetune.server.bench.result import Measurement
+from slidetune.server.bench.searches import measure_searches
 from slidetune.server.bench.served import machine_load
 from slidetune.server.bench.steps import measure_steps
 from slidetune.server.report.run_bar import progress_bar
@@ -67,6 +68,8 @@ def measure(quick: bool, live: bool, console: Console) -> Results:
     about = machine()
     with progress_bar(console, "Control steps and runs") as show:
         rows = measure_steps(quick, show)
+    with progress_bar(console, "Searches and draws") as show:
+        rows += measure_searches(quick, show)
     if not quick:
         with progress_bar(console, "Compilation") as show:
             rows += measure_compiling(show)

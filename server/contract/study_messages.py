@@ -58,8 +58,8 @@ class StudyAnswer(StudySummary):
     experiment: dict[str, Any]
     result: dict[str, Any] = Field(
         description="What its entries show so far. `tune`: `present`, `best`, `front` (numbers of "
-        "trials) and `importance`; `robustness`: `quantiles`, `diverged`, `kept`; `worst`: "
-        "`worst_found`, which is no proof that there is none worse; `sweep`: `axes`."
+        "trials), `importance` and `correlations`; `robustness`: `quantiles`, `diverged`, `kept`; "
+        "`worst`: `worst_found`, which is no proof that there is none worse; `sweep`: `axes`."
     )
 
 
@@ -80,3 +80,27 @@ class StudyBands(BaseModel):
         "`high` (nine tenths of the draws lie between), `median`, `least`, `greatest`; `null` "
         "where it is a draw that left its bounds."
     )
+
+
+class Acceptance(Strict):
+    """Gains to be used from now on, as long as they hold."""
+
+    lane: str = Field(examples=["RBFNN-NFTSM"])
+    patch: dict[str, Any] = Field(
+        examples=[{"lanes": {"RBFNN-NFTSM": {"nu": 30}}}],
+        description="Merge patch of this lane and nothing else.",
+    )
+    client: str = Field("", max_length=100, description="Who asks: its id on the live WebSocket.")
+
+
+class Accepting(BaseModel):
+    """Gains that were accepted."""
+
+    accepted: Literal[True] = True
+    revision: int
+    seconds: float = Field(
+        description="For so long, in simulated time, they go back by themselves if a hard goal is "
+        "left; a `notice` on the live WebSocket says so."
+    )
+    watched: list[str] = Field(description="Hard goals that are watched.")
+    unwatched: list[str] = Field(description="Hard goals that the live session can't measure.")

@@ -6,11 +6,8 @@ Other threads ask; this one does, at the top of its next tick. Nothing else touc
 from __future__ import annotations
 
 import logging
-import os
-import sys
 from collections.abc import Callable
-from contextlib import suppress
-from threading import Event, Thread, get_native_id
+from threading import Event, Thread
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,8 +16,9 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.commands import Commands, Request
+from slidetune.server.live.goal_watch import GoalWatch
 from slidetune.server.live.live_figures import LiveFigures
-from slidetune.server.live.pacing import TICK, Pacer
+from slidetune.server.live.pacing import TICK, Pacer, come_first
 from slidetune.server.live.pull import Pull
 from slidetune.server.live.push import Push
 from slidetune.server.live.recorder import Recorder
@@ -72,6 +70,7 @@ class Session:
         revision: revision of the experiment in force.
         epoch: counts resets and loaded experiments.
         playing: whether time goes on.
+        watch: looks whether a lane keeps its goals, while there is one that should.
         on_change: called on this thread when ``state`` has changed.
         on_swap: called on this thread when the first rows under an edit have been written.
         on_notice: called on this thread with a sentence for the people at the screens.
@@ -95,6 +94,7 @@ class Session:
         self.on_change: Callable[[], None] = lambda: None
         self.on_swap: Callable[[], None] = lambda: None
         self.on_notice: Callable[[str], None] = lambda _: None
+        self.watch: GoalWatch | None = None
         self.recorder = Recorder()
         self._roughness = Roughness()
         self._push = Push()
@@ -260,7 +260,7 @@ class Session:
     # --- on the session's thread ---------------------------------------------------------------
 
     def _run(self) -> None:
-        _come_first()
+        come_first()
         self.pacer.restart()
         while not self._stopping:
             try:
@@ -329,6 +329,8 @@ class Session:
         self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)
         self.figures.add(rows, loop, time)
+        if self.watch is not None:
+            self.watch.look(rows, self.telemetry.columns, loop, (self.revision, self.epoch), time)
         if self.view is not None:
             self.view.add(rows, loop.period)
         if self._swapped:
@@ -390,10 +392,3 @@ class Session:
     def angles(self) -> dict[str, list[float]]:
         """Return the joint angles of every lane in [rad]."""
         return {name: lane.work[Q].tolist() for name, lane in tuple(self.loop.lanes.items())}
-
-
-def _come_first() -> None:
-    """Ask for this thread to be scheduled before others, where the system grants it."""
-    if sys.platform == "linux":
-        with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, get_native_id(), -10)

@@ -8,7 +8,7 @@ import re
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Path, Query, Request, Response
+from fastapi import APIRouter, Body, Depends, Header, Path, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import StreamingResponse
 from pydantic import ValidationError
@@ -22,6 +22,8 @@ from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.contract.messages import ErrorAnswer
 from slidetune.server.contract.openapi import YAML
 from slidetune.server.contract.study_messages import (
+    Acceptance,
+    Accepting,
     NewStudy,
     StudyAnswer,
     StudyBands,
@@ -37,6 +39,7 @@ from slidetune.server.guard.limits import (
     TooManyStudiesError,
 )
 from slidetune.server.guard.plain_json import NotJsonError, read_json
+from slidetune.server.live.goal_watch import SECONDS
 from slidetune.server.routes.limited_stream import LimitedStream
 from slidetune.server.state.app_state import AppState
 from slidetune.server.studies.download import MEDIA, SUFFIXES, Format, download
@@ -137,6 +140,15 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         refuse_if_costly(experiment)
         study = Study.from_document(wanted.kind, experiment, wanted.wanted)
         return _summary(app_state, store.one(runner.begin(study, wanted.title)))
+
+    @router.post("/accept", response_model=Accepting, responses={422: {"model": ErrorAnswer}})
+    def accept(wanted: Annotated[Acceptance, Body()]) -> dict[str, Any]:
+        """Use gains in the live session; if the lane leaves a hard goal, they go back."""
+        author = wanted.client or "http"
+        made = app_state.probation.accept(wanted.lane, wanted.patch, author)
+        change, watched, unwatched = made
+        told = {"watched": watched, "unwatched": unwatched}
+        return {"revision": change.revision, "seconds": SECONDS, **told}
 
     @router.get("/{number}", response_model=StudyAnswer, responses=UNKNOWN)
     def one_study(number: Number) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
+from slidetune.server.state.probation import Probation
 from slidetune.server.studies.runner import StudyRunner
 from slidetune.server.studies.store import StudyStore, study_folder
 
@@ -62,6 +63,7 @@ class AppState:
         document: the live document.
         session: the stepping thread.
         view: the 3D view.
+        probation: new gains that go back by themselves if they don't hold.
         history: who changed what.
         workers: threads for whole runs.
         previews: whole responses for the screen.
@@ -78,6 +80,7 @@ class AppState:
         self.view = SceneFeed(Scene(), self.colors)
         self.session = Session(packed, self.view)
         self.document = Document(packed, preset, self.session, self.colors)
+        self.probation = Probation(self.document, self.session)
         self.history = EditHistory(experiment)
         self.document.listeners.append(self.history.note)
         self.workers = Workers()

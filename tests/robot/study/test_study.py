@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import spearmanr
 
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
@@ -156,3 +157,26 @@ def test_the_gain_that_acts_is_the_one_that_counts() -> None:
     assert found["nu"] > 3.0 * found["k2"]
     assert sum(found.values()) == pytest.approx(1.0)
     assert result_of(study, entries[:8])["importance"] is None
+
+
+def test_sobol_covers_the_ranges_and_tells_which_way_a_figure_goes() -> None:
+    goals = {"quick": {"kind": "figure", "figure": "mae", "bound": 0.01}}
+    experiment = load_preset("paper").patched({"simulation": {"horizon": 0.3}, "goals": goals})
+    gains = {"k1": {"low": 20.0, "high": 600.0}, "c": {"low": 9.99, "high": 10.01}}
+    wanted = {"lane": LANE, "trials": 64, "gains": gains, "sampler": "sobol", "seed": 3}
+    study = Study.from_document("tune", experiment, wanted)
+    entries = made(study)
+    spread = np.sort([one.values["k1"] for one in entries[1:]])  # type: ignore[call-overload]
+    # Scrambled, but even: no gap of more than a few parts of the range, which is logarithmic.
+    assert np.max(np.diff(np.log(spread))) < 5.0 * np.log(30.0) / 63
+    assert [one.document() for one in made(study)] == [one.document() for one in entries]
+    found = result_of(study, entries)["correlations"]
+    # By hand, with SciPy's own.
+    for gain in gains:
+        for figure in ("mae", "chattering"):
+            values = [one.values[gain] for one in entries]  # type: ignore[call-overload]
+            told = [one.outcome.figures[figure] for one in entries]
+            assert found[gain][figure] == pytest.approx(spearmanr(values, told).statistic)
+    assert found["k1"]["mae"] < -0.9
+    assert abs(found["c"]["mae"]) < 0.4
+    assert result_of(study, entries[:9])["correlations"] is None

@@ -49,6 +49,7 @@ BODY_ROUTES = [
     ("POST", "/api/lens"),
     ("POST", "/api/threshold"),
     ("POST", "/api/studies"),
+    ("POST", "/api/studies/accept"),
     ("POST", "/api/studies/strip"),
     ("POST", "/api/studies/sensitivity"),
     ("POST", "/api/studies/switching"),

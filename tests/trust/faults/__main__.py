@@ -19,6 +19,7 @@ from tests.trust.faults import laws as fault_laws
 from tests.trust.faults import presets as fault_presets
 from tests.trust.faults import process as fault_process
 from tests.trust.faults import scene as fault_scene
+from tests.trust.faults import studies as fault_studies
 from tests.trust.faults import workers as fault_workers
 from tests.trust.faults.fault import Fault, Outcome
 from tests.trust.report import provenance, record, table
@@ -29,6 +30,7 @@ FAULTS: tuple[Fault, ...] = (
     *fault_laws.FAULTS,
     *fault_scene.FAULTS,
     *fault_process.FAULTS,
+    *fault_studies.FAULTS,
     *fault_experiments.FAULTS,
 )
 """All faults, in the order of the table."""
