@@ -59,7 +59,7 @@ export function bandFigure(colors, {time, band, panel, color, bounds}) {
       xaxis: axis(colors, {title: 't [s]', unifiedhovertitle: {text: 't = %{x:.3~g} s'}}),
       yaxis: axis(colors, {
         title: `${panel.quantity} [${unit}]`, nticks: 6,
-        range: rangeOf([...least, ...greatest, ...low, ...high], bounds, signs),
+        range: rangeOf([...least, ...greatest, ...low, ...high, ...median], bounds, signs),
       }),
     },
   };

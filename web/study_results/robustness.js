@@ -92,7 +92,6 @@ export class RobustnessResult {
       {name: 'left their bounds', value: percent(diverged)},
       ...(hard ? [{name: 'kept the hard goals', value: percent(kept)}] : []),
     ];
-    this.#held.words = hard ? '' : 'Without a hard goal a draw counts as kept when it came to its end.';
     this.#bands.finding = this.#gone
       ? `${this.#gone} of ${count} draws left their bounds: a band ends where such a draw would count.` : '';
   }

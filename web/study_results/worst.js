@@ -37,6 +37,7 @@ export class WorstResult {
   /** @type {Draw|null} */ #worst = null;
   /** @type {LaneResponse|null} */ #nominal = null;
   #asked = false;
+  #refused = false;
 
   /**
    * @param {import('../api/api.js').Api} api
@@ -116,6 +117,8 @@ export class WorstResult {
       this.#nominal = (await preview.respond(alone)).lanes.get(lane) ?? null;
       this.#tabulate();
     } catch (error) {
+      this.#refused = true;
+      this.#tabulate();
       this.#beside.finding = `The nominal could not be run: ${/** @type {Error} */ (error).message}`;
     }
     preview.needed(REASON, false);
@@ -125,9 +128,13 @@ export class WorstResult {
     const [study, worst] = [this.#study, this.#worst];
     if (!study || !worst) return;
     const {experiment} = study;
-    const [nominal, {outcome}] = [this.#nominal, worst];
+    const {outcome} = worst;
+    const frozen = this.#nominal?.frozen;
+    if (frozen) this.#beside.finding = `The nominal left its bounds as well, at ${threeDigits(frozen.time)} s.`;
+    // What was measured until then is no figure of a whole run.
+    const nominal = frozen ? null : this.#nominal;
     const goals = experiment.goals ?? {};
-    const pending = this.#asked && !nominal && !isWatching() ? '…' : '–';
+    const pending = this.#asked && !this.#nominal && !this.#refused && !isWatching() ? '…' : '–';
     const figures = STUDIED.map((figure) => row(figureHeading(figure), figure.meaning, [
       {text: nominal ? figureNumber(figure, reducedOf(figure, nominal.metrics)) : pending, tone: ''},
       {text: figureNumber(figure, outcome.figures[figure.name]), tone: ''},

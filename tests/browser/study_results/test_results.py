@@ -114,14 +114,27 @@ def test_bands_are_those_of_the_draws_with_the_goals_as_lines(
 def test_draws_that_left_their_bounds_are_counted_and_their_bands_end(
     page: Page, dashboard: Dashboard
 ) -> None:
-    prepare(dashboard, {"simulation": {"horizon": 1.0, "mode": "sampled"}}, RANGES)
-    number = begun(dashboard, "robustness", draws=4)
-    found = ended(dashboard, number)
-    gone = round(4 * found["result"]["diverged"])
-    assert gone, "the lane is meant to diverge"
-    open_kept(page, dashboard, number)
+    lane = "RBFNN-SMC"
+    patch = {
+        "simulation": {"horizon": 0.1, "mode": "sampled"},
+        "lanes": {lane: {"k1": 1.0, "k2": 4.0}},
+        "uncertainty": {"input_delay": [0.0, 0.05]},
+    }
+    prepare(dashboard, patch)
+    number = begun(dashboard, "robustness", lane=lane, draws=12)
+    ended(dashboard, number)
+    times = [entry["outcome"]["diverged_at"] for entry in entries(dashboard, number)]
+    gone = [time for time in times if time is not None]
+    assert gone
+    view = open_kept(page, dashboard, number)
     told = card(page, "Within what the responses lie").locator(".lens-finding")
-    expect(told).to_contain_text(f"{gone} of 4 draws left their bounds")
+    expect(told).to_contain_text(f"{len(gone)} of 12 draws left their bounds")
+    curves = dashboard.client.get(f"/api/studies/{number}/bands").json()["curves"]["e1"]
+    assert None in curves["high"]
+    greatest = drawn(view, "e1", "greatest")
+    assert greatest["y"] == pytest.approx(curves["greatest"])
+    band = drawn(view, "e1", "band")
+    assert 0.0 < max(x for x in band["x"] if x is not None) <= sorted(gone)[1]
 
 
 def test_the_worst_found_is_never_guaranteed_and_runs_here(
