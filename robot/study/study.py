@@ -8,15 +8,17 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field, ValidationError
 
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.fields.quantity import Integer, Section, field
 from slidetune.robot.fields.refusal import field_errors
+from slidetune.robot.study.draws import placed
 from slidetune.robot.study.outcome import Outcome
 from slidetune.robot.study.robustness import Draw, robustness, worst_case
-from slidetune.robot.study.sweep import Axis, AxisRange, Point, sweep
+from slidetune.robot.study.sweep import Axis, AxisRange, Point, combination, sweep
 from slidetune.robot.study.tune import Trial, tune
 from slidetune.robot.study.tuning import MOST_DRAWS, MOST_TRIALS, Tuning
 
@@ -155,6 +157,22 @@ class Study:
             InvalidExperimentError: naming what is wrong.
         """
         self.entries(_NoExecutor())
+
+    def variant(self, entry: Entry) -> Experiment:
+        """Return the experiment that an entry is of; all its other lanes stay as they are.
+
+        Of a search over draws that is the gains alone, not the draw that counted.
+
+        Raises:
+            InvalidExperimentError: if it was refused when it was tried.
+        """
+        if isinstance(entry, Trial):
+            return self.experiment.patched(entry.patch)
+        if isinstance(entry, Draw):
+            return placed(self.experiment, np.array(entry.share))
+        assert isinstance(self.wanted, Sweep)
+        names = [one.field for one in self.wanted.axes]
+        return self.experiment.patched(combination(self.experiment, self.lane, names, entry.values))
 
     def entry(self, document: Mapping[str, Any]) -> Entry:
         """Return an entry from what its ``document`` returned."""

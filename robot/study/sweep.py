@@ -133,7 +133,7 @@ def sweep(
         for end in (one.values[0], one.values[-1]):
             experiment.patched(_patch(experiment, lane, one.field, end))
     combinations = list(product(*(one.values for one in axes)))
-    patches = [_patches(experiment, lane, names, values) for values in combinations]
+    patches = [combination(experiment, lane, names, values) for values in combinations]
     alone = only_lane(experiment, lane)
 
     def points() -> Iterator[Point]:
@@ -157,9 +157,20 @@ def _refusal(field: str, text: str) -> InvalidExperimentError:
     return InvalidExperimentError([FieldError(field, text)])
 
 
-def _patches(
+def combination(
     experiment: Experiment, lane: str, names: Sequence[str], values: Sequence[float]
 ) -> dict[str, Any]:
+    """Return the merge patch that sets fields to values.
+
+    Args:
+        experiment: where to start from.
+        lane: whose gains the names without a dot are.
+        names: of the axes, in their order.
+        values: of each axis.
+
+    Raises:
+        InvalidExperimentError: for a field that isn't there or is no number.
+    """
     whole: dict[str, Any] = {}
     for name, value in zip(names, values, strict=True):
         merge(whole, _patch(experiment, lane, name, value))

@@ -44,7 +44,7 @@ from slidetune.server.routes.limited_stream import LimitedStream
 from slidetune.server.state.app_state import AppState
 from slidetune.server.studies.download import MEDIA, SUFFIXES, Format, download
 from slidetune.server.studies.runner import UNDER_WAY, curves_from
-from slidetune.server.studies.store import Record
+from slidetune.server.studies.store import Record, UnknownStudyError
 
 EVENTS = "text/event-stream"
 PACE = 0.2
@@ -52,7 +52,9 @@ PACE = 0.2
 MOST_ENTRIES = 1000
 """Most entries in one answer or event (*ours*)."""
 Number = Annotated[int, Path(ge=1, le=2**53, description="The study's number.")]
+Place = Annotated[int, Path(ge=0, le=2**53, description="Number of the entry, from 0.")]
 UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
+VARIANT: dict[int | str, dict[str, Any]] = {**UNKNOWN, 422: {"model": ErrorAnswer}}
 DOWNLOADS: dict[int | str, dict[str, Any]] = {
     **UNKNOWN,
     200: {"content": {media: {} for media in MEDIA.values()}},
@@ -166,6 +168,15 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         """Entries of a study in their order, 1000 at most: trials, draws or points."""
         store.one(number)
         return {"first": first, "entries": store.entries(number, first, MOST_ENTRIES)}
+
+    @router.get("/{number}/entries/{place}/experiment", responses=VARIANT)
+    def variant(number: Number, place: Place) -> dict[str, Any]:
+        """The whole experiment that an entry is of: with its gains, its draw or its point."""
+        study = _study(store.one(number))
+        found = store.entries(number, place, 1)
+        if not found:
+            raise UnknownStudyError(f"study {number} has no entry {place}")
+        return study.variant(study.entry(found[0])).document()
 
     @router.get("/{number}/bands", response_model=StudyBands, responses=UNKNOWN)
     def bands(number: Number) -> dict[str, Any]:

@@ -186,12 +186,14 @@ def shared_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashb
 
 @pytest.fixture
 def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> Iterator[Dashboard]:
-    """A dashboard as it begins: with the paper's experiment, which plays, and no own presets."""
+    """A dashboard as it begins: with the paper's experiment, which plays, no presets or studies."""
     request.node.stash.setdefault(LOGS, []).append(shared_dashboard.log)
     client = shared_dashboard.client
     for preset in client.get("/api/presets").json()["presets"]:
         if not preset["shipped"]:
             client.delete(f"/api/presets/{preset['name']}").raise_for_status()
+    for study in client.get("/api/studies").json()["studies"]:
+        client.delete(f"/api/studies/{study['id']}").raise_for_status()
     client.post("/api/presets/paper/load").raise_for_status()
     client.patch("/api/session", json={"speed": 1.0}).raise_for_status()
     client.post("/api/session/play").raise_for_status()

@@ -75,6 +75,44 @@ def test_every_response_and_every_lens(
     tabs(page, inspector, "Lenses")
 
 
+def test_every_kind_of_study(page: Page, dashboard: Dashboard, inspector: Inspector) -> None:
+    dashboard.client.post("/api/presets/paper/load").raise_for_status()
+    patch = {
+        "simulation": {"horizon": 0.3},
+        "goals": {"near": {"kind": "figure", "figure": "mae", "bound": 0.01, "priority": "hard"}},
+        "uncertainty": {"payload": [0.0, 3.0]},
+    }
+    dashboard.client.patch("/api/experiment", json=patch).raise_for_status()
+    axes = [{"field": "nu", "low": 1.0, "high": 9.0, "count": 2}]
+    axes.append({"field": "mu", "low": 0.1, "high": 0.9, "count": 2})
+    kinds = {
+        "robustness": {"draws": 4},
+        "worst": {"trials": 4},
+        "sweep": {"axes": axes},
+        "tune": {"trials": 4},
+    }
+    for kind, wanted in kinds.items():
+        body = {"kind": kind, "wanted": {"lane": "NFTSM", **wanted}}
+        dashboard.client.post("/api/studies", json=body).raise_for_status()
+    page.goto(dashboard.url)
+    inspector.start()
+    page.get_by_role("tab", name="Studies", exact=True).click()
+    back = page.get_by_role("button", name="All studies")
+    state = page.locator(".study-head .study-state")
+    expect(page.locator(".study-open, .study-item").first).to_be_visible()
+    # One that is under way is opened by itself.
+    if back.is_visible():
+        back.click()
+    for kind in ("Auto-tune", "Robustness", "Worst case", "Sweep"):
+        page.locator(".study-kinds").get_by_text(kind, exact=True).click()
+        inspector.look(f"new study, {kind}", "#plots")
+    for place in range(len(kinds)):
+        page.locator(".study-item").nth(place).click()
+        expect(state).to_have_text("done", timeout=120_000)
+        inspector.look(f"study {place}", "#plots")
+        back.click()
+
+
 def test_all_that_opens(
     page: Page, dashboard: Dashboard, inspector: Inspector, complaints: Complaints
 ) -> None:

@@ -38,6 +38,9 @@ import {request} from './http.js';
 
 const ROOT = '/api/studies';
 
+/** @param {Summary} summary */
+export function isUnderWay({state}) { return state === 'waiting' || state === 'running'; }
+
 /** @returns {Promise<Summary[]>} the newest first */
 export async function listStudies() { return (await request('GET', ROOT)).studies; }
 
@@ -57,6 +60,15 @@ export function beginStudy(wanted) { return request('POST', ROOT, wanted); }
  * @returns {Promise<Study>}
  */
 export function oneStudy(id) { return request('GET', `${ROOT}/${id}`); }
+
+/**
+ * @param {number} id
+ * @param {number} place of the entry, from 0
+ * @returns {Promise<Document>} the whole experiment that it is of
+ */
+export function entryExperiment(id, place) {
+  return request('GET', `${ROOT}/${id}/entries/${place}/experiment`);
+}
 
 /**
  * @param {number} id
@@ -104,7 +116,8 @@ export function followStudy(id, onProgress, onLost) {
   source.addEventListener('progress', (event) => {
     const {entries, first, ...summary} = JSON.parse(/** @type {MessageEvent} */ (event).data);
     onProgress(summary, entries, first);
-    if (summary.state !== 'waiting' && summary.state !== 'running') source.close();
+    // Of one that has ended the entries may take several messages.
+    if (!isUnderWay(summary) && first + entries.length >= summary.made) source.close();
   });
   source.addEventListener('error', () => {
     onLost(source.readyState === EventSource.CLOSED ? 'The study can\'t be followed any more.' : '');

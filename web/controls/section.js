@@ -72,7 +72,7 @@ export class Group {
    */
   constructor(title, key, open) {
     const head = element('summary', {}, icon('chevron'), element('span', {}, title), this.#changed);
-    this.element = element('details', {class: 'group'}, head, this.body);
+    this.element = element('details', {class: 'group', 'data-group': key}, head, this.body);
     rememberOpen(this.element, key, open);
   }
 

@@ -35,8 +35,27 @@ export function mount(place, api, history, tell, preview) {
     const schema = new Schema(SCHEMA);
     mountLanes(lanes, api, history, schema, tell);
     new Tuning(schema, api, history, tell).mount(place, gains, rest);
-    rest.append(new Goals(api, history, preview).element);
+    const goals = new Goals(api, history, preview).element;
+    goals.dataset.group = 'goals';
+    rest.append(goals);
   }, {once: true});
+  // Where one part is seen at a time, this one is shown first.
+  api.addEventListener('group', (event) => queueMicrotask(() => (
+    open(place, /** @type {CustomEvent} */ (event).detail)
+  )));
+}
+
+/**
+ * @param {HTMLElement} column
+ * @param {string} key of a group
+ */
+function open(column, key) {
+  const group = column.querySelector(`details[data-group="${CSS.escape(key)}"]`);
+  if (!(group instanceof HTMLDetailsElement)) return;
+  group.open = true;
+  const head = group.querySelector('summary');
+  head?.focus();
+  head?.scrollIntoView({block: 'start'});
 }
 
 /** Keeps the controls and the experiment in step. */

@@ -6,6 +6,7 @@ import {mount as mountLenses} from '../lenses/lenses.js';
 import {mount as mountPlots} from '../live/live_plots.js';
 import {recall, remember} from '../screen/remembered.js';
 import {mount as mountResponse} from '../response/response.js';
+import {mount as mountStudies} from '../studies/studies.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /**
@@ -30,6 +31,7 @@ export const ENTRIES = [
   {id: 'live', title: 'Live', mount: mountPlots},
   {id: 'response', title: 'Response', mount: mountResponse},
   {id: 'lenses', title: 'Lenses', mount: mountLenses},
+  {id: 'studies', title: 'Studies', mount: mountStudies},
 ];
 
 /**

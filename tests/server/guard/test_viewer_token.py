@@ -45,7 +45,8 @@ EVERYTHING_THAT_READS = [
     "/api/studies/kinds",
     "/scene/",
 ]
-OF_A_STUDY = ("", "/entries", "/bands", "/events", "/download")
+OF_A_STUDY = ("", "/entries", "/bands", "/events", "/download", "/entries/{place}/experiment")
+"""That of an entry comes after what waits for the study's end."""
 NOTHING_YET = ["/api/results/response", "/api/results/lens?lane=NFTSM&lens=sliding"]
 """What the owner has to ask for first."""
 CAMERA = {
@@ -162,7 +163,8 @@ def test_a_viewer_reads_and_follows_studies(shared: Served, viewer: httpx.Client
     number = shared.http.post("/api/studies", json=body).json()["id"]
     for rest in OF_A_STUDY:
         query = "?format=csv" if rest == "/download" else ""
-        assert viewer.get(f"/api/studies/{number}{rest}{query}").status_code == 200
+        address = f"/api/studies/{number}{rest.format(place=0)}{query}"
+        assert viewer.get(address).status_code == 200
     assert viewer.post(f"/api/studies/{number}/stop").status_code == 403
     assert viewer.delete(f"/api/studies/{number}").status_code == 403
 

@@ -129,6 +129,31 @@ def test_the_worst_that_was_found_is_told_with_where_it_is(served: Served) -> No
     assert 0.0 <= found["values"]["payload"] <= 3.0
 
 
+@pytest.mark.parametrize(
+    ("kind", "wanted"),
+    [
+        ("tune", {"trials": 3}),
+        ("robustness", {"draws": 3}),
+        ("worst", {"trials": 3}),
+        ("sweep", {"axes": [{"field": "nu", "low": 1, "high": 9, "count": 3}]}),
+    ],
+)
+def test_an_entry_is_of_an_experiment_that_does_just_that(
+    served: Served, kind: str, wanted: dict[str, Any]
+) -> None:
+    prepare(served)
+    number = begun(served, kind, **wanted)
+    ended(served, number)
+    entries = served.http.get(f"/api/studies/{number}/entries").json()["entries"]
+    for place, entry in enumerate(entries):
+        address = f"/api/studies/{number}/entries/{place}/experiment"
+        document = served.http.get(address).raise_for_status().json()
+        assert outcome(Experiment.from_document(document), LANE).document() == entry["outcome"]
+    beyond = served.http.get(f"/api/studies/{number}/entries/3/experiment")
+    assert beyond.status_code == 404
+    assert beyond.json()["error"]["message"] == f"study {number} has no entry 3"
+
+
 def test_a_stopped_study_keeps_what_is_done_and_goes_on(served: Served) -> None:
     prepare(served, horizon=4.0)
     number = begun(served, trials=400)

@@ -1,0 +1,65 @@
+// @ts-check
+/** One field of the form: a number or a choice, its meaning, and why it was refused. */
+
+import {element, freshId} from '../dom/element.js';
+import {read, written} from '../fields/quantity.js';
+
+/** @typedef {import('../fields/schema.js').Field} Field */
+
+/** A labelled input. */
+export class FormField {
+  element;
+  name;
+  #field;
+  #input;
+  #alert = element('p', {class: 'control-alert', role: 'alert'});
+
+  /**
+   * @param {Field} field
+   * @param {() => void} changed
+   */
+  constructor(field, changed) {
+    const [id, meaning] = [freshId('study-field'), freshId('study-meaning')];
+    this.#field = field;
+    this.name = field.path[field.path.length - 1];
+    const shared = {id, 'aria-describedby': meaning, on: {input: () => { this.refuse(''); changed(); }}};
+    this.#input = field.kind === 'choice'
+      ? element('select', {class: 'select', ...shared},
+        ...field.options.map((option) => element('option', {value: option}, option)))
+      : numberBox(shared);
+    this.#input.value = field.kind === 'choice' ? field.default : written(field.default);
+    this.element = element('div', {class: 'study-field', 'data-field': this.name},
+      element('label', {for: id, title: field.description}, field.title), this.#input,
+      element('small', {id: meaning, class: 'study-meaning'}, field.description), this.#alert);
+  }
+
+  /** @returns {any} NaN for what is no number */
+  get value() {
+    return this.#field.kind === 'choice' ? this.#input.value : read(this.#input.value, '');
+  }
+
+  /** @param {string} text why, or '' */
+  refuse(text) { refuse(this.#input, this.#alert, text); }
+}
+
+/**
+ * A box for one number.
+ *
+ * @param {import('../dom/element.js').Attributes} attributes
+ */
+export function numberBox(attributes) {
+  return element('input', {
+    class: 'number-box', inputmode: 'decimal', autocomplete: 'off', spellcheck: 'false', ...attributes,
+  });
+}
+
+/**
+ * @param {HTMLElement} input
+ * @param {HTMLElement} alert
+ * @param {string} text why, or ''
+ */
+export function refuse(input, alert, text) {
+  if (alert.textContent !== text) alert.textContent = text;
+  if (text) input.setAttribute('aria-invalid', 'true');
+  else input.removeAttribute('aria-invalid');
+}
