@@ -42,7 +42,9 @@ export class SearchResult {
   #actions;
   #tabs;
   /** @type {Tab} */ #tab = 'progress';
-  #legend = element('p', {class: 'search-legend', 'aria-label': 'Meaning of the marks'});
+  #legend = element('div', {
+    class: 'search-legend', role: 'group', 'aria-label': 'Meaning of the marks',
+  });
   #slider = element('input', {
     id: freshId('search-trial'), type: 'range', class: 'search-slider', min: 0, max: 0, step: 1,
     on: {input: () => this.#chooses(Number(this.#slider.value))},
@@ -181,7 +183,8 @@ export class SearchResult {
     if (this.#legend.dataset.built === built) return;
     this.#legend.dataset.built = built;
     this.#legend.replaceChildren(...marks.map(([mark, text]) => element('span', {},
-      element('i', {class: `search-mark is-${mark}`, 'aria-hidden': 'true'}), text)));
+      element('i', {class: `search-mark is-${mark}`, 'aria-hidden': 'true'}), text)),
+    element('span', {}, 'on the edge: beyond it'));
   }
 
   /** Bring up to date what is said of the trial that is looked at. */

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.conftest import Dashboard
+from tests.browser.inspector import Inspector
 from tests.browser.lenses.test_lenses import experiment, patch
 from tests.browser.study_search.searches import GOALS, HARD, LANE, mounted, searched
 
@@ -315,3 +316,16 @@ def test_two_thousand_trials_are_taken_at_once(
     choose(page, 1999)
     # The points are no elements: as many as there are trials would make the page slow.
     assert page.locator(".harness .search-figure *").count() < 200
+
+
+@pytest.mark.fresh
+def test_axe_finds_nothing_serious_in_light_and_in_dark(
+    page: Page, dashboard: Dashboard, study: dict[str, Any]
+) -> None:
+    mounted(page, dashboard, study)
+    inspector = Inspector(page)
+    inspector.start()
+    for tab in ("Progress", "Compromises", "Gains and score", "Importance"):
+        part(page).get_by_role("tab", name=tab).click()
+        inspector.look(tab, ".harness")
+    assert inspector.found == []
