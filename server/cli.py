@@ -18,6 +18,7 @@ from slidetune.server.cli_options import (
     console,
     output,
 )
+from slidetune.server.fit_command import fit
 from slidetune.server.study_commands import robustness, sweep, tune
 
 # Everything that is slow to import waits for the command that needs it.
@@ -164,7 +165,7 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep):
+for command in (tune, robustness, sweep, fit):
     cli.command()(command)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from typing import Annotated
 
 import typer
@@ -19,6 +21,26 @@ LaneOption = Annotated[
 WorkersOption = Annotated[
     int, typer.Option(min=0, max=256, help="Threads; 0 for one a core. They change no result.")
 ]
+SchedulerOption = Annotated[
+    str,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Scheduler of a Dask cluster that makes the runs in place of this machine, such as "
+        "tcp://10.0.0.1:8786.",
+    ),
+]
+
+
+def _executor(workers: int, scheduler: str) -> AbstractContextManager[Executor]:
+    """Return where the runs are made; see ``study_executor``."""
+    from slidetune.server.report.study_bar import study_executor
+
+    if scheduler and workers:
+        raise typer.BadParameter(
+            "runs are made by threads of this machine (--workers) or by a cluster, not both",
+            param_hint="--scheduler",
+        )
+    return study_executor(workers, scheduler, console)
 
 
 def tune(
@@ -40,6 +62,7 @@ def tune(
     judged_by: Annotated[str | None, typer.Option(help="Draw that counts: worst or p95.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="The same one, the same trials.")] = None,
     workers: WorkersOption = 0,
+    scheduler: SchedulerOption = "",
     out: Annotated[
         str, typer.Option(metavar="FILE", help="Write the experiment with the best gains as YAML.")
     ] = "",
@@ -47,8 +70,9 @@ def tune(
 ) -> None:
     """Search for the gains of a lane that keep to the experiment's goals.
 
-    Ctrl-C stops it and keeps what is done. Exit status: 0 where the best gains keep every hard
-    goal, 4 where none do, 2 if something is refused.
+    Ctrl-C stops it and keeps what is done, as does the loss of the cluster. Exit status: 0 where
+    the best gains keep every hard goal, 4 where none do, 2 if something is refused or the cluster
+    is lost.
     """
     from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
     from slidetune.robot.experiment.presets import load_preset
@@ -69,7 +93,8 @@ def tune(
     }
     wanted = wanted_tuning(experiment, study, given)
     check_outputs(json, out)
-    made = search_with_bar(experiment, wanted, workers, console)
+    with _executor(workers, scheduler) as executor:
+        made, lost = search_with_bar(experiment, wanted, executor, console)
     document = tuning_document(experiment, wanted, made)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
@@ -77,6 +102,9 @@ def tune(
         write_output(out, [experiment_to_yaml(experiment.patched(document["best"]["patch"]))])
     if "-" not in (json, out):
         print_tuning(experiment, document, output())
+    if lost:
+        console.print(f"The cluster was lost after {len(made)} trials; what is done is kept.")
+        raise lost
     if not (document["best"] and document["best"]["outcome"]["kept"]):
         raise typer.Exit(MISSED)
 
@@ -89,12 +117,13 @@ def robustness(
         int, typer.Option(min=0, max=5000, help="Tries in a search for the worst; 0 for none.")
     ] = 0,
     workers: WorkersOption = 0,
+    scheduler: SchedulerOption = "",
     json: JsonOption = "",
 ) -> None:
     """Run a lane at many draws of what the experiment calls uncertain.
 
     Exit status: 0 where every draw keeps every hard goal, 4 where one does not, 2 if something is
-    refused.
+    refused or the cluster is lost.
     """
     from slidetune.robot.experiment.presets import load_preset
     from slidetune.server.report.output_file import check_outputs, write_output
@@ -105,7 +134,8 @@ def robustness(
     experiment = load_preset(preset)
     name = lane or next(iter(experiment.lanes))
     check_outputs(json)
-    made, tried = draws_with_bar(experiment, name, draws, worst, workers, console)
+    with _executor(workers, scheduler) as executor:
+        made, tried = draws_with_bar(experiment, name, draws, worst, executor, console)
     document = robustness_document(experiment, name, made, tried)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
@@ -126,12 +156,13 @@ def sweep(
     ],
     lane: LaneOption = "",
     workers: WorkersOption = 0,
+    scheduler: SchedulerOption = "",
     csv: CsvOption = "",
     json: JsonOption = "",
 ) -> None:
     """Run a lane at every combination of the values of one or two fields.
 
-    Exit status: 0, or 2 if something is refused.
+    Exit status: 0, or 2 if something is refused or the cluster is lost.
     """
     from slidetune.robot.experiment.presets import load_preset
     from slidetune.server.report.output_file import check_outputs, write_output
@@ -143,7 +174,8 @@ def sweep(
     experiment, found = load_preset(preset), wanted_axes(axes)
     name = lane or next(iter(experiment.lanes))
     check_outputs(csv, json)
-    points = sweep_with_bar(experiment, name, found, workers, console)
+    with _executor(workers, scheduler) as executor:
+        points = sweep_with_bar(experiment, name, found, executor, console)
     if csv:
         write_output(csv, sweep_lines(experiment, found, points))
     if json:

@@ -54,7 +54,7 @@ def implicit_switching(packed: Packed, name: str) -> ImplicitSwitching | None:
     symbol = "T·k₂" if getattr(lane, "inertia_shaped", False) else "T·ΓM⁻¹k₂"
     return ImplicitSwitching(
         message="implicit takes sign(S) at the end of the period, by the model: a layer of "
-        f"{width} rad/s, the thinnest that does not chatter at this rate.",
+        f"{width} rad/s, within which S is gone after one period.",
         patch={"lanes": {name: {"switching": "implicit"}}},
         title=f"Set ε = {symbol} (implicit)",
     )

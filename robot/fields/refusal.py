@@ -118,6 +118,8 @@ def _refusal(error: ErrorDetails, model: type[BaseModel]) -> FieldError:
         return FieldError(where, text, plain_value(context["value"]))
     if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return _wrong_tag(error, place)
+    if error["type"] == "missing":
+        return FieldError(_dotted(path), f"{written(path[-1])} is missing")
     if error["type"] == "extra_forbidden":
         text = _unknown(path[-1], _walk(model, error["loc"][:-1]).holder)
         return FieldError(_dotted(path), text, value)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.fields.quantity import JOINTS, bounds
 from slidetune.robot.lenses.adapted_gain import adapted_gain
 from slidetune.robot.lenses.instants import (
     Instant,
@@ -105,7 +106,8 @@ class PredictionView:
         adaptive: whether its k2 is one that changes.
         threshold: one boundary layer in [rad/s] that silences all joints, ``None`` where none does.
         epsilon: the lane's ``epsilon`` with which it would be silent: a value for all joints, or a
-            list where the lane has one; a little wider, in two digits.
+            list where the lane has one; a little wider, in two digits. ``None`` where it may not
+            be so wide.
         since: from when on the run was measured in [s].
     """
 
@@ -150,7 +152,7 @@ def look(
         joints=joints,
         adaptive=adapted is not None,
         threshold=common,
-        epsilon=_epsilon(getattr(lane, "epsilon", None), common, thresholds),
+        epsilon=_epsilon(lane, common, thresholds),
         since=float(run.time[first]),
     )
 
@@ -162,14 +164,19 @@ def _wider(value: float) -> float:
 
 
 def _epsilon(
-    present: float | list[float] | None, common: float | None, thresholds: list[float | None]
+    lane: Any, common: float | None, thresholds: list[float | None]
 ) -> float | list[float] | None:
+    present = getattr(lane, "epsilon", None)
     if common is None or present is None:
         return None
+    least, most = bounds(type(lane), "epsilon")
+    if common > most:
+        return None
     if not isinstance(present, list | tuple):
-        return _wider(common)
+        return min(_wider(common), most)
     pairs = zip(present, thresholds, strict=True)
-    return [float(now) if found is None else _wider(found) for now, found in pairs]
+    wide = (float(now) if found is None else _wider(found) for now, found in pairs)
+    return [min(max(one, least), most) for one in wide]
 
 
 def _joint(

@@ -19,11 +19,14 @@ from slidetune.robot.margins.unsampled import as_if_unsampled
 
 Array = np.ndarray
 
-_SHARES = np.geomspace(1e3, 1e-3, 25)
-"""By how much a layer is divided in search of its threshold (*ours*)."""
+_SHARES = np.geomspace(1e4, 1e-3, 29)
+"""By how much a layer is divided in search of its threshold (*ours*): one of 1 rad/s down to the
+narrowest that a lane may have, which stands for all that are narrower."""
 _TOLERANCE = 1e-3
-_WIDER = 2.0
-"""By how much the layers of the other joints are widened, so that none of them decides (*ours*)."""
+_WIDER = 2.0, 8.0, 32.0, 128.0
+"""By how much the layers of the other joints are widened, so that none of them decides (*ours*):
+by the first with which a layer is found. Balance knows how wide they have to be where the drives
+are alike, but not behind a neighbour whose drive is much slower."""
 
 
 def _map_within(packed: Packed, name: str, layer: Array, time: float) -> PeriodMap:
@@ -67,8 +70,11 @@ def silent_layer(
         # A joint's S depends on its own angle and velocity.
         chosen = np.zeros(found.switching.shape[1])
         chosen[[*joints, *(JOINTS + joint for joint in joints)]] = 1.0
+        others, own = found.switching * (1.0 - chosen), found.switching * chosen
         # Not without a layer: its slope may be all that holds the others.
-        rest = found.rest + found.switching * (1.0 - chosen) / _WIDER
-        found = replace(found, rest=rest, switching=found.switching * chosen)
-    share = _greatest_share(found)
+        wider = (replace(found, rest=found.rest + others / by, switching=own) for by in _WIDER)
+        shares = (_greatest_share(one) for one in wider)
+        share = next((one for one in shares if one is not None), None)
+    else:
+        share = _greatest_share(found)
     return None if share is None else np.asarray(layer / share)

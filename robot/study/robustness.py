@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
@@ -11,21 +10,19 @@ from typing import Any
 import numpy as np
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
-from optuna.samplers import CmaEsSampler
 
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.study.draws import QUANTITIES, check_ranges, placed, unit_draw, values_at
 from slidetune.robot.study.outcome import Outcome, outcome_and_curves
+from slidetune.robot.study.samplers import BATCH, sampler
 from slidetune.robot.study.tuning import no_goal, unfounded_draws
 
 Array = np.ndarray
 
 TASK = 4
 """Draws that one task makes (*ours*): 50 ms of runs or more."""
-BATCH = 8
-"""Places that a search for the worst asks for at once (*ours*)."""
 MOST_CORNERS = 16
 """Corners that such a search begins with at most (*ours*)."""
 KEPT = ("figures", "ratios")
@@ -161,10 +158,7 @@ def worst_case(
     if not experiment.goals:
         raise InvalidExperimentError([no_goal()])
     alone, uncertain = only_lane(experiment, lane), experiment.uncertainty.uncertain
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-        sampler = CmaEsSampler(seed=seed, warn_independent_sampling=False)
-    study = optuna.create_study(direction="maximize", sampler=sampler)
+    study = optuna.create_study(direction="maximize", sampler=sampler("cmaes", seed))
     for corner in _corners(uncertain, min(MOST_CORNERS, trials // 2), seed):
         study.enqueue_trial(corner)
     ranges: dict[str, BaseDistribution] = {name: FloatDistribution(0.0, 1.0) for name in uncertain}

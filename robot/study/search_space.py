@@ -12,7 +12,7 @@ from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.study.knob import Knob, knobs
+from slidetune.robot.knobs.knob import Knob, knobs
 from slidetune.robot.study.tuning import GainRange, Tuning
 
 WIDTH = 10.0

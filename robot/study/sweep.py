@@ -13,12 +13,13 @@ from pydantic import Field
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.number_place import number_patch
 from slidetune.robot.fields.field_path import path_parts
 from slidetune.robot.fields.quantity import Integer, Number, Section
 from slidetune.robot.fields.quantity import field as quantity
+from slidetune.robot.knobs.knob import knobs
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.study.draws import merge
-from slidetune.robot.study.knob import knobs
 from slidetune.robot.study.outcome import Outcome, outcomes
 
 TASK = 4
@@ -174,15 +175,4 @@ def _patch(experiment: Experiment, lane: str, name: str, value: float) -> dict[s
             known = ", ".join(one.field for one in knobs(experiment, lane))
             raise _refusal(name, f"{lane} has no gain {name} to sweep; it has: {known}")
         return found.patch(found.at_all(value))
-    place: Any = experiment.document()
-    for part in parts:
-        if not isinstance(place, dict) or part not in place:
-            text = f"no number stands at {name}: name a gain of {lane}, or a path such as robot.lag"
-            raise _refusal(name, text)
-        place = place[part]
-    if not isinstance(place, int | float | list) or isinstance(place, bool):
-        raise _refusal(name, f"{name} is no number to sweep")
-    patch: Any = value
-    for part in reversed(parts):
-        patch = {part: patch}
-    return dict(patch)
+    return number_patch(experiment, name, value)

@@ -6,7 +6,6 @@ same trials on one thread, on two, or on a cluster.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import asdict, dataclass, field
@@ -14,23 +13,17 @@ from typing import Any
 
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
-from optuna.samplers import BaseSampler, CmaEsSampler, NSGAIISampler, QMCSampler, TPESampler
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
 from slidetune.robot.study.judgement import CHUNK, is_beaten, judged, summary
 from slidetune.robot.study.outcome import FAILED, NOMINAL, Outcome, outcomes
+from slidetune.robot.study.samplers import BATCH, sampler
 from slidetune.robot.study.search_space import Dimension, patch_of, search_space
 from slidetune.robot.study.tuning import Tuning, check_tuning
 
-optuna.logging.set_verbosity(optuna.logging.WARNING)
-
-BATCH = 8
-"""Trials that are asked for at once (*ours*): enough for the cores of a desk."""
 FAR = 1e12
 """Ratio that counts for a goal which can't be told, times the run's cost (*ours*)."""
-POPULATION = 24
-"""Of NSGA-II (*ours*)."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +100,6 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
     return [trial for trial, ratios in known if not any(beats(other, ratios) for _, other in known)]
 
 
-def _sampler(tuning: Tuning) -> BaseSampler:
-    if tuning.sampler == "cmaes":
-        return CmaEsSampler(seed=tuning.seed, warn_independent_sampling=False)
-    if tuning.sampler == "sobol":
-        return QMCSampler(qmc_type="sobol", scramble=True, seed=tuning.seed)
-    if tuning.sampler == "nsga2":
-        return NSGAIISampler(population_size=POPULATION, seed=tuning.seed)
-    return TPESampler(seed=tuning.seed, n_startup_trials=2 * BATCH, multivariate=True)
-
-
 class _Search:
     """Optuna's study, and what has been told to it."""
 
@@ -129,11 +112,9 @@ class _Search:
         self._soft = [name for name, goal in goals.items() if goal.priority == "soft"]
         self._several = tuning.sampler == "nsga2"
         self._draws = tuple(range(tuning.draws)) or (NOMINAL,)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-            sampler = _sampler(tuning)
         self._study = optuna.create_study(
-            directions=["minimize"] * (len(self._soft) if self._several else 1), sampler=sampler
+            directions=["minimize"] * (len(self._soft) if self._several else 1),
+            sampler=sampler(tuning.sampler, tuning.seed),
         )
         self._study.enqueue_trial({one.name: one.present for one in space})
         self._range: dict[str, BaseDistribution] = {

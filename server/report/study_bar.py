@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
+from functools import partial
 from typing import TypeVar
 
 from rich.console import Console
@@ -21,10 +23,34 @@ from slidetune.robot.study.robustness import Draw, robustness, worst_case
 from slidetune.robot.study.sweep import Axis, Point, sweep
 from slidetune.robot.study.tune import Trial, best_of, tune
 from slidetune.robot.study.tuning import Tuning
+from slidetune.server.compute.cluster import cluster_executor
+from slidetune.server.compute.cluster_task import ClusterError
 from slidetune.server.compute.executor import local_executor
 from slidetune.server.report.warmup_bar import warm_up_with_bar
 
 Item = TypeVar("Item")
+
+
+@contextmanager
+def study_executor(workers: int, scheduler: str, console: Console) -> Iterator[Executor]:
+    """Return where a study's runs are made, warm.
+
+    Args:
+        workers: threads of this machine, 0 for one a core.
+        scheduler: address of a cluster's scheduler, or an empty text for this machine.
+        console: told of what becomes of the cluster, above any progress bar.
+
+    Raises:
+        InvalidExperimentError: if the cluster is refused; see ``cluster_executor``.
+    """
+    if scheduler:
+        tell = partial(console.print, markup=False, soft_wrap=True)
+        with cluster_executor(scheduler, tell) as executor:
+            yield executor
+        return
+    warm_up_with_bar(console)
+    with local_executor(workers or None) as executor:
+        yield executor
 
 
 @contextmanager
@@ -42,55 +68,56 @@ def _bar(console: Console, text: str, total: int) -> Iterator[tuple[Progress, Ta
 
 
 def search_with_bar(
-    experiment: Experiment, tuning: Tuning, workers: int, console: Console
-) -> list[Trial]:
-    """Search; an interrupt ends it and keeps what is done. Raises what ``tune`` raises."""
-    warm_up_with_bar(console)
+    experiment: Experiment, tuning: Tuning, executor: Executor, console: Console
+) -> tuple[list[Trial], ClusterError | None]:
+    """Search; an interrupt or the loss of the cluster ends it and keeps what is done.
+
+    Raises what ``tune`` raises.
+
+    Returns:
+        The trials, and what was lost of the cluster.
+    """
     made: list[Trial] = []
-    with local_executor(workers or None) as executor:
-        search = tune(experiment, tuning, executor)
-        with _bar(console, "Searching", tuning.trials) as (progress, task):
-            try:
-                for trial in search:
-                    made.append(trial)
-                    best = best_of(made)
-                    score = None if best is None else best.outcome.score
-                    told = "" if score is None else f", best {score:.3g}"
-                    progress.update(task, completed=len(made), description=f"Searching{told}")
-            except KeyboardInterrupt:
-                executor.shutdown(wait=False, cancel_futures=True)
-                console.print(f"Stopped after {len(made)} trials; what is done is kept.")
-    return made
+    search = tune(experiment, tuning, executor)
+    with _bar(console, "Searching", tuning.trials) as (progress, task):
+        try:
+            for trial in search:
+                made.append(trial)
+                best = best_of(made)
+                score = None if best is None else best.outcome.score
+                told = "" if score is None else f", best {score:.3g}"
+                progress.update(task, completed=len(made), description=f"Searching{told}")
+        except KeyboardInterrupt:
+            executor.shutdown(wait=False, cancel_futures=True)
+            console.print(f"Stopped after {len(made)} trials; what is done is kept.")
+        except ClusterError as error:
+            return made, error
+    return made, None
 
 
 def draws_with_bar(
-    experiment: Experiment, lane: str, count: int, worst: int, workers: int, console: Console
+    experiment: Experiment, lane: str, count: int, worst: int, executor: Executor, console: Console
 ) -> tuple[list[Draw], list[Draw]]:
     """Return draws and, where asked for, the places of a search for the worst.
 
     Raises what ``robustness`` raises.
     """
-    warm_up_with_bar(console)
-    with local_executor(workers or None) as executor:
-        drawn = robustness(experiment, lane, count, executor)
-        tried = worst_case(experiment, lane, worst, executor) if worst else iter(())
-        return (
-            _followed(drawn, "Drawing", count, console),
-            _followed(tried, "Looking for the worst", worst, console),
-        )
+    drawn = robustness(experiment, lane, count, executor)
+    tried = worst_case(experiment, lane, worst, executor) if worst else iter(())
+    return (
+        _followed(drawn, "Drawing", count, console),
+        _followed(tried, "Looking for the worst", worst, console),
+    )
 
 
 def sweep_with_bar(
-    experiment: Experiment, lane: str, axes: Sequence[Axis], workers: int, console: Console
+    experiment: Experiment, lane: str, axes: Sequence[Axis], executor: Executor, console: Console
 ) -> list[Point]:
     """Run a sweep; raises what ``sweep`` raises."""
-    warm_up_with_bar(console)
     count = 1
     for one in axes:
         count *= len(one.values)
-    with local_executor(workers or None) as executor:
-        points = sweep(experiment, lane, axes, executor)
-        return _followed(points, "Sweeping", count, console)
+    return _followed(sweep(experiment, lane, axes, executor), "Sweeping", count, console)
 
 
 def _followed(items: Iterator[Item], text: str, count: int, console: Console) -> list[Item]:

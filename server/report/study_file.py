@@ -13,6 +13,7 @@ from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.plain_yaml import PlainDocument, read_plain_yaml
 from slidetune.robot.fields.refusal import field_errors
+from slidetune.robot.study.fit import Fitting
 from slidetune.robot.study.sweep import Axis, axis
 from slidetune.robot.study.tuning import Tuning
 
@@ -42,6 +43,26 @@ def wanted_tuning(experiment: Experiment, file: str, given: Mapping[str, Any]) -
             replace(one, line=None if one.path in options else read.line(one.path))
             for one in field_errors(error, Tuning)
         ]
+        raise InvalidExperimentError(refused) from error
+
+
+def wanted_fitting(file: str, trials: int | None) -> Fitting:
+    """Return what a fit is told.
+
+    Args:
+        file: a YAML file with the fields of ``Fitting``.
+        trials: how many, where that is given on the command line.
+
+    Raises:
+        InvalidExperimentError: naming every refused field, with the line of the file.
+        OSError: if the file can't be read.
+    """
+    read = read_plain_yaml(Path(file).read_bytes())
+    given = {} if trials is None else {"trials": trials}
+    try:
+        return Fitting.model_validate({**read.values, **given})
+    except ValidationError as error:
+        refused = [replace(one, line=read.line(one.path)) for one in field_errors(error, Fitting)]
         raise InvalidExperimentError(refused) from error
 
 

@@ -15,10 +15,10 @@ from fastapi.responses import StreamingResponse
 from pydantic import Field
 
 from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.knobs.knob import COUNT
+from slidetune.robot.knobs.plan import Trial, sensitivity, strip, switching_comparison
+from slidetune.robot.knobs.variant import figures
 from slidetune.robot.loop.figures import STUDIED
-from slidetune.robot.study.knob import COUNT
-from slidetune.robot.study.plan import Trial, sensitivity, strip, switching_comparison
-from slidetune.robot.study.variant import figures
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.messages import ErrorAnswer, Strict

@@ -73,6 +73,8 @@ def test_tune_ends_with_4_where_no_gains_keep_the_hard_goals(
         (("tune", "goal.yaml", "--study", "bad.yaml"), "line 2: gains.nu.high"),
         (("tune", "goal.yaml", "--study", "none.yaml"), "none.yaml"),
         (("robustness", "paper"), "give a quantity of uncertainty a range"),
+        (("fit", "goal.yaml", "bad-fit.yaml"), 'line 2: fields."robot.lag".high'),
+        (("fit", "goal.yaml", "lost.yaml"), "lost.yaml"),
         (("sweep", "goal.yaml", "nu=1:2"), "k1=10:500:20:log"),
         (("sweep", "goal.yaml", "nu=1:2:3", "k1=1:2:3", "k2=1:2:3"), "one field or two"),
         (("sweep", "goal.yaml", "robot.lag=0:1:3"), "[0, 0.05] s"),
@@ -82,6 +84,7 @@ def test_a_bad_study_is_refused_before_anything_runs(
     goal: Experiment, tmp_path: Path, arguments: tuple[str, ...], words: str
 ) -> None:
     (tmp_path / "bad.yaml").write_text("gains:\n  nu: {low: 1, high: 0.5}\n")
+    (tmp_path / "bad-fit.yaml").write_text("fields:\n  robot.lag: {low: 1, high: 0}\n")
     done = slidetune(*arguments, folder=tmp_path)
     assert done.returncode in (1, 2)
     assert words in done.stderr

@@ -9,7 +9,9 @@
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
  * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
  * open the lessons; `edits`: open the list of edits; `home`: put the camera back; `show`: the `tab`
- * of the live plots to be seen, or another `view` of the right column; `look`: the past `time` that
+ * of the live plots to be seen, or another `view` of the right column; `bound`: draw a goal in the
+ * plots of the response; `goal`: open the form for one, with that `figure`, `joint` and `bound` in the
+ * unit on the screen; `look`: the past `time` that
  * the 3D scene shows, null for the present; `silence`: the boundary layers from which on a lane does
  * not chatter, null where they are not known (any more).
  */

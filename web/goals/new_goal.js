@@ -2,12 +2,13 @@
 /** The form that adds a goal: what is bounded, by how much, of which joint, from when to when. */
 
 import {element} from '../dom/element.js';
-import {read} from '../fields/quantity.js';
+import {read, written} from '../fields/quantity.js';
 import {BOUNDED} from './words.js';
+import {jointOptions} from './row.js';
 
 /** @typedef {import('./words.js').Goal} Goal */
 
-const JOINTS = 6;
+const DIGITS = 3;
 
 /** A form; whoever submits it gets a goal, or reads what is wrong with it. */
 export class NewGoal {
@@ -15,9 +16,7 @@ export class NewGoal {
   #what = element('select', {class: 'select', 'aria-label': 'What is bounded'},
     ...BOUNDED.map(({id, title}) => element('option', {value: id}, title)));
   #joint = element('select', {class: 'select', 'aria-label': 'Joint'},
-    ...Array.from({length: JOINTS + 1}, (_, joint) => (
-      element('option', {value: joint}, joint ? `joint ${joint}` : 'every joint')
-    )));
+    ...jointOptions());
   #bound = element('input', {class: 'number-box', inputmode: 'decimal', 'aria-label': 'Bound'});
   #unit = element('span', {class: 'unit'});
   #start = element('input', {class: 'number-box', inputmode: 'decimal', 'aria-label': 'From', value: '0'});
@@ -44,6 +43,23 @@ export class NewGoal {
     this.#alert);
     this.#what.addEventListener('change', () => this.#shape());
     this.#shape();
+  }
+
+  /**
+   * Fill in a figure; whoever sees it may change it.
+   *
+   * @param {{figure: string, joint: number, bound: number|null}} goal bound in the unit shown
+   */
+  fill({figure, joint, bound}) {
+    this.#what.value = `figure.${figure}`;
+    this.#joint.value = String(joint);
+    this.#shape();
+    // Rounded up: to the nearest, the lane that has it might miss it.
+    this.#bound.value = bound === null ? '' : written(roundedUp(bound));
+    this.#alert.hidden = true;
+    this.element.scrollIntoView({block: 'nearest'});
+    this.#bound.focus({preventScroll: true});
+    this.#bound.select();
   }
 
   get #chosen() { return BOUNDED.find(({id}) => id === this.#what.value) ?? BOUNDED[0]; }
@@ -77,4 +93,14 @@ export class NewGoal {
     this.#alert.hidden = !text;
     if (!text) this.#bound.value = '';
   }
+}
+
+/**
+ * @param {number} value
+ * @returns {number} of three digits, not less
+ */
+function roundedUp(value) {
+  const near = Number(value.toPrecision(DIGITS));
+  const unit = 10 ** (Math.floor(Math.log10(Math.abs(value))) - DIGITS + 1);
+  return near >= value ? near : Number((near + unit).toPrecision(DIGITS));
 }

@@ -44,6 +44,12 @@ export const BOUNDED = [
 ];
 
 /**
+ * @param {string} figure
+ * @returns {Bounded|undefined} nothing where less is not better
+ */
+export function boundedFigure(figure) { return BOUNDED.find(({id}) => id === `figure.${figure}`); }
+
+/**
  * @param {Goal} goal
  * @returns {Bounded}
  */
@@ -79,15 +85,4 @@ function span(goal, horizon) {
 /** @param {number|null|undefined} ratio value over bound */
 export function ratioText(ratio) {
   return ratio === null || ratio === undefined ? '–' : threeDigits(ratio);
-}
-
-/**
- * The least name of the form `goal 3` that isn't taken.
- *
- * @param {{[name: string]: Goal}} goals
- */
-export function freeName(goals) {
-  let number = 1;
-  while (`goal ${number}` in goals) number += 1;
-  return `goal ${number}`;
 }

@@ -4,6 +4,7 @@
 import {plain} from '../plots/figure.js';
 import {axis} from './figure.js';
 import {threeDigits} from '../figures/columns.js';
+import {isHeldByNothing} from './prediction_words.js';
 
 /** @typedef {import('./figure.js').Colors} Colors */
 
@@ -31,7 +32,7 @@ export function nyquistFigure(colors, one, {lane, color, joint}) {
       uirevision: `${lane}-${joint}`,
       xaxis: axis(colors, {title: `Re [${unit}]`, range: [-reach, 0.3 * reach], zeroline: true}),
       yaxis: axis(colors, {title: `Im [${unit}]`, range: [-0.8 * reach, 0.4 * reach], zeroline: true}),
-      annotations: marks(colors, one, silent),
+      annotations: marks(colors, one, silent || isHeldByNothing(one)),
     },
   };
 }
@@ -92,11 +93,11 @@ function apart(colors, one, {lane, color, joint}) {
 /**
  * @param {Colors} colors
  * @param {any} one
- * @param {boolean} silent
+ * @param {boolean} fleeting whether no limit cycle is to be seen there
  */
-function marks(colors, {crossing: [x, y], threshold, layer}, silent) {
-  const named = [threshold !== null && 'ε*', !silent && 'limit cycle'].filter(Boolean).join(', ');
-  const told = [{
+function marks(colors, {crossing: [x, y], threshold, layer}, fleeting) {
+  const named = [threshold !== null && 'ε*', !fleeting && 'limit cycle'].filter(Boolean).join(', ');
+  const told = !named ? [] : [{
     x, y, text: named, showarrow: true, arrowhead: 0,
     arrowcolor: colors.muted, ax: 16, ay: -32, xanchor: 'left', font: {color: colors.text},
   }];

@@ -15,10 +15,10 @@ import {isWatching} from '../api/watch_only.js';
 const HEIGHT = 270;
 const HEADINGS = [
   ['joint', ''],
-  ['predicted Hz', 'Frequency at which the torque comes back half a period late'],
+  ['predicted Hz', 'Frequency at which the torque comes back half a period late; – where there is no limit cycle'],
   ['measured Hz', 'In the second half of the run; – where S is silent'],
-  ['predicted A [rad/s]', 'Half of what S swings'],
-  ['measured A [rad/s]', 'In the second half of the run'],
+  ['predicted A [rad/s]', 'Half of what S swings; – where there is no limit cycle'],
+  ['measured A [rad/s]', 'In the second half of the run; – where S is silent'],
   ['ε* [rad/s]', 'Layers that silence the loop where each joint has its own; one ε for all is told below'],
   ['locked', 'Joints that swing at one frequency and push each other'],
 ];

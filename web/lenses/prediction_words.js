@@ -79,8 +79,10 @@ export function reading(one, joint, {switching}) {
       : curve;
   }
   const dots = `${curve}The dots are −1/N(A): they begin at ${one.layer ? '−ε' : '0'} and run left as S `
-    + 'swings farther. Where they meet the curve, S keeps swinging';
-  return one.layer ? `${dots}; if they begin left of it, S is silent.` : `${dots}.`;
+    + 'swings farther. ';
+  if (isHeldByNothing(one)) return `${dots}They meet the curve, but no layer holds this loop: that is no limit cycle.`;
+  const meeting = `${dots}Where they meet the curve, S keeps swinging`;
+  return one.layer ? `${meeting}; if they begin left of it, S is silent.` : `${meeting}.`;
 }
 
 /**
@@ -104,13 +106,23 @@ export function cautions(one, joint, {switching}) {
 }
 
 /**
+ * The whole loop, that is: of its joints some may swing no farther than they would by themselves.
+ *
+ * @param {any} one
+ * @returns {boolean} whether it is in a loop that swings farther and farther
+ */
+export function isHeldByNothing({crossing, amplitude}) { return crossing !== null && amplitude === null; }
+
+/**
  * @param {any} one a joint that does not keep swinging
  * @param {number} joint
  */
-function whySilent({crossing, layer, locked, amplitude, curve: [real, imaginary], clearance, nearest}, joint) {
+function whySilent(one, joint) {
+  const {crossing, layer, locked, curve: [real, imaginary], clearance, nearest} = one;
   if (!real.length) return '';
-  if (crossing && amplitude === null) {
-    return `Joint ${joint} swings farther and farther: no layer holds it, however wide, until something else does.`;
+  if (isHeldByNothing(one)) {
+    return `Joint ${joint} is in a loop that swings farther and farther: no layer holds it, however wide, until `
+      + 'something else does.';
   }
   const silent = `Joint ${joint} is silent`;
   if (crossing) {

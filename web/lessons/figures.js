@@ -15,6 +15,14 @@ const MARGINS = new Map([
   ['sampling_margin', figureOf('gamma')], ['margin_limit', figureOf('gamma_limit')],
 ]);
 
+/**
+ * @param {string} number
+ * @returns {string} written as the quoted ones are: `186,000`, `2400`
+ */
+function inThousands(number) {
+  return number.replace(/^\d{5,}/, (digits) => digits.replace(/\B(?=(\d{3})+$)/g, ','));
+}
+
 /** One table at a time; empty where nothing that is quoted can be measured. */
 export class LessonFigures {
   element = element('div', {class: 'lesson-figures'});
@@ -74,7 +82,7 @@ export class LessonFigures {
     }
     if (row.text) return;
     const seen = measured(ring, figure);
-    const text = seen ? [threeDigits(seen.value), figure.unit].filter(Boolean).join('\u00a0') : '–';
+    const text = seen ? [inThousands(threeDigits(seen.value)), figure.unit].filter(Boolean).join('\u00a0') : '–';
     this.#write(cell, text, seen ? '' : 'It takes time to get there, or a reset.');
     if (seen?.whole) row.text = text;
     cell.classList.toggle('is-final', Boolean(seen?.whole));

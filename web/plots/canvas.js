@@ -3,7 +3,7 @@
 
 import {element} from '../dom/element.js';
 import {figure, library, themeOf} from './figure.js';
-import {GAP, MARGIN} from './figure_panels.js';
+import {GAP, MARGIN, axisNumber} from './figure_panels.js';
 import {PlotGestures} from './gestures.js';
 import {PlotRedraw} from './redraw.js';
 import {RedrawPace} from '../screen/redraw_pace.js';
@@ -23,8 +23,9 @@ import {YRanges} from '../curves/y_range.js';
  *   colors: Map<string, string|undefined>, selected: string, passing?: boolean}} CanvasSheet
  */
 /**
- * Where the times lie on the stage, in pixels.
- * @typedef {{window: Range, left: number, width: number, height: number}} TimeAxis
+ * Where the times lie on the stage, and each panel with its values, in pixels.
+ * @typedef {{window: Range, left: number, width: number, height: number,
+ *   panels: {top: number, height: number, range: Range}[]}} TimeAxis
  */
 
 /** Lower than this in pixels a panel can't be read; the stage scrolls instead. plots.css has it. */
@@ -107,7 +108,7 @@ export class Canvas {
     if (!sheet.panels.length || !library()) { this.#on.drawn(null); return; }
     const drawing = this.#figure(sheet, false);
     if (this.#redraw.draw(drawing, sheet)) this.#listen();
-    this.#on.drawn(sheet.spectrum ? null : timeAxis(drawing.layout));
+    this.#on.drawn(sheet.spectrum ? null : timeAxis(drawing.layout, sheet.panels.length));
     // Counts the layout into the cost of this redraw, where it belongs.
     this.#graph.getBoundingClientRect();
     this.#describe(sheet);
@@ -167,10 +168,19 @@ function missingLibrary() {
 
 /**
  * @param {{[name: string]: any}} layout
+ * @param {number} panels how many
  * @returns {TimeAxis}
  */
-function timeAxis({width, height, xaxis}) {
-  return {window: xaxis.range, left: MARGIN.l, width: width - MARGIN.l - MARGIN.r, height};
+function timeAxis(layout, panels) {
+  const {width, height, xaxis} = layout;
+  const room = height - MARGIN.t - MARGIN.b;
+  return {
+    window: xaxis.range, left: MARGIN.l, width: width - MARGIN.l - MARGIN.r, height,
+    panels: Array.from({length: panels}, (_, index) => {
+      const {domain: [low, high], range} = layout[`yaxis${axisNumber(index)}`];
+      return {top: MARGIN.t + (1 - high) * room, height: (high - low) * room, range};
+    }),
+  };
 }
 
 /**

@@ -11,8 +11,8 @@ const MOST_MARKS = 20;
 /** Changes of one control that follow each other this closely are one drag. */
 const DRAG_SECONDS = 0.6;
 const MOST_LINES = 4;
-/** Words about the experiment that no plot can show. */
-const UNSEEN = new Set(['title', 'description', 'slidetune']);
+/** What no curve of a live lane depends on. */
+const UNSEEN = new Set(['title', 'description', 'slidetune', 'goals', 'uncertainty']);
 
 /**
  * Every value that differs between two documents.

@@ -12,7 +12,7 @@ import {isWatching} from '../api/watch_only.js';
 /** Somebody else's patches of the same fields this close are one drag, as in the list of edits. */
 const TOGETHER_MS = 1500;
 /** What may change without any run becoming another one. */
-const WORDS = new Set(['title', 'description']);
+const NO_RUN = new Set(['title', 'description', 'goals', 'uncertainty']);
 
 /** Event `change`: another response is the one before, or it is to be seen or not. */
 export class ResponseBefore extends EventTarget {
@@ -100,7 +100,7 @@ export class ResponseBefore extends EventTarget {
   #patched({patch, author, revision}) {
     // Where lanes come or go, a fresh start has told of it already.
     if (!this.#experiment || revision <= this.#revision) return;
-    const parts = Object.keys(patch).filter((key) => !WORDS.has(key));
+    const parts = Object.keys(patch).filter((key) => !NO_RUN.has(key));
     if (parts.length) {
       if (!this.#goesOn(patch, author)) this.#begin(this.#experiment, new Set());
       this.#last = {patch, author, time: performance.now()};

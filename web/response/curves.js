@@ -4,7 +4,7 @@
 import {isSampledEvery} from '../curves/panel_curves.js';
 import {calmOnTop} from '../curves/trace_order.js';
 import {extent, wanted} from '../curves/y_range.js';
-import {boundsOf} from '../goals/bounds.js';
+import {boundsOf} from '../bounds/bounds.js';
 
 /** @typedef {import('../api/preview_message.js').LaneResponse} LaneResponse */
 /** @typedef {import('../api/preview_message.js').Response} Response */
@@ -58,7 +58,7 @@ export function responsePanels(sheet, ranges) {
 }
 
 /**
- * @param {import('../goals/bounds.js').Bound} bound
+ * @param {import('../bounds/bounds.js').Bound} bound
  * @param {number} index
  * @returns {Curve}
  */
@@ -73,7 +73,7 @@ function boundCurve({name, x, y, kept}, index) {
 
 /**
  * @param {Range} range
- * @param {import('../goals/bounds.js').Bound[]} bounds
+ * @param {import('../bounds/bounds.js').Bound[]} bounds
  * @returns {Range} with the bounds in it, unless they would flatten the curves
  */
 function withBounds(range, bounds) {

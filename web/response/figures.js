@@ -5,6 +5,9 @@ import {element} from '../dom/element.js';
 import {COLUMNS, best, figureNumber, figureText, inDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 import {changeOf} from '../figures/change.js';
+import {boundedFigure} from '../goals/words.js';
+import {icon} from '../dom/icons.js';
+import {isWatching} from '../api/watch_only.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
 
 /** @typedef {import('../figures/columns.js').Column} Column */
@@ -40,8 +43,15 @@ export class ResponseMetrics {
   /** @type {Map<string, Row>} */ #rows = new Map();
   #until = element('span', {class: 'metrics-unit'});
   #built = '';
+  #setGoal;
+  /** @type {Compared|null} */ #compared = null;
 
-  constructor() {
+  /**
+   * @param {(goal: {figure: string, joint: number, bound: number|null}) => void} setGoal a figure
+   *   is to be bounded, by what the selected lane has, in the unit on the screen
+   */
+  constructor(setGoal) {
+    this.#setGoal = setGoal;
     this.element = withScrollCue(element('div', {
       class: 'response-figures', tabindex: 0, role: 'region',
       'aria-label': 'Metrics of the whole response',
@@ -51,6 +61,7 @@ export class ResponseMetrics {
   /** @param {Compared} compared */
   show(compared) {
     const {lanes, joints, baselines, current} = compared;
+    this.#compared = compared;
     const columns = columnsFor(joints);
     const shown = baselines.filter((baseline) => baseline.shown);
     const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name])]);
@@ -95,8 +106,22 @@ export class ResponseMetrics {
     this.#table.replaceChildren(
       element('caption', {class: 'metrics-caption'}, 'The whole response of each lane, and how it '
         + 'changed against its baselines'),
-      heading(columns, this.#until), ...bodies,
+      heading(columns, this.#until, (column) => this.#goalButton(column)), ...bodies,
     );
+  }
+
+  /** @param {Column} column */
+  #goalButton(column) {
+    const {figure, of = 0, title} = column;
+    if (!boundedFigure(figure.name) || isWatching()) return null;
+    return element('button', {
+      type: 'button', class: 'response-goal', title: 'Set a goal', 'aria-label': `Set a goal: ${title}`,
+      on: {click: () => {
+        const {current = null, selected = ''} = this.#compared ?? {};
+        const bound = valueOf(column, current?.lanes.get(selected) ?? null);
+        this.#setGoal({figure: figure.name, joint: of, bound});
+      }},
+    }, icon('target'));
   }
 
   /**
@@ -251,15 +276,22 @@ function counted(count, what) { return `${count} ${what}${count === 1 ? '' : 's'
 /**
  * @param {Column[]} columns
  * @param {HTMLElement} until to where it goes
+ * @param {(column: Column) => HTMLElement|null} goalButton
  */
-function heading(columns, until) {
+function heading(columns, until, goalButton) {
   return element('thead', {}, element(
     'tr', {}, element('th', {scope: 'col'}, 'Whole response', until),
-    ...[ESTIMATE, ...columns].map(({title, unit, meaning}) => element(
-      'th', {scope: 'col', title: meaning}, title,
-      unit && element('span', {class: 'metrics-unit'}, ` ${unit}`),
-    )),
+    headingCell(ESTIMATE, null), ...columns.map((column) => headingCell(column, goalButton(column))),
   ));
+}
+
+/**
+ * @param {{title: string, unit: string, meaning: string}} column
+ * @param {HTMLElement|null} button
+ */
+function headingCell({title, unit, meaning}, button) {
+  return element('th', {scope: 'col', title: meaning}, title,
+    element('span', {class: 'metrics-unit'}, button, unit && ` ${unit}`));
 }
 
 /**

@@ -4,13 +4,16 @@
 import {PlotScreen} from '../plot_view/plot_screen.js';
 import {recall, remember} from '../screen/remembered.js';
 import {BaselineList} from './baseline_list.js';
+import {BoundLayer} from '../bounds/layer.js';
 import {Baselines} from './baselines.js';
 import {ResponseHead} from './head.js';
 import {markLag} from './lag.js';
 import {ResponseMetrics} from './figures.js';
 import {ResponseRemarks} from './remarks.js';
 import {ResponseSource} from './source.js';
+import {goalWords} from '../goals/words.js';
 import {isWatching} from '../api/watch_only.js';
+import {tellWithUndo} from '../dom/undo_notice.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('../plot_view/plot_screen.js').Choice} Choice */
@@ -37,7 +40,9 @@ class ResponsePlots {
   #head;
   #list;
   #remarks;
-  #metrics = new ResponseMetrics();
+  #metrics;
+  #bounds;
+  /** @type {Choice} what the plots show */ #choice;
   #opens = recall('response.opens') === '1';
   /** Whether anybody can see it. */
   #seen = false;
@@ -57,7 +62,12 @@ class ResponsePlots {
     this.#remarks = new ResponseRemarks(api, desk);
     this.#list = new BaselineList(this.#baselines, () => this.#pin());
     const source = new ResponseSource(api, this.#preview, this.#before, this.#baselines);
-    this.#screen = new PlotScreen(api, source, {shown: (choice) => this.#shown(choice)});
+    this.#metrics = new ResponseMetrics((figure) => {
+      api.dispatchEvent(new CustomEvent('goal', {detail: figure}));
+    });
+    this.#screen = new PlotScreen(api, source, {
+      shown: (choice) => this.#shown(choice), drawn: (axis) => this.#bounds.place(axis),
+    });
     const {tabs, legend, stage, cursors, toolbar} = this.#screen;
     this.#head = new ResponseHead(this.#preview, () => api.revision, tabs.element, {
       opens: this.#opens, open: (on) => this.#openOnDrag(on),
@@ -65,10 +75,17 @@ class ResponsePlots {
     });
     toolbar.element.append(this.#head.status, this.#list.element);
     root.classList.add('plots', 'response');
+    const {history, tell} = desk;
     root.append(
       this.#head.element, legend.element, this.#remarks.element, stage, cursors.readout.element,
       toolbar.element, this.#metrics.element,
     );
+    this.#bounds = new BoundLayer(stage, api, history, {
+      sheet: () => source.content(this.#choice),
+      refused: (text) => tell(text, {error: true}),
+      added: (goal, horizon) => tellWithUndo(tell, history, `New goal: ${goalWords(goal, horizon)}`),
+    });
+    toolbar.afterJoints([this.#bounds.button]);
     this.#listen();
     this.#screen.show();
   }
@@ -81,7 +98,12 @@ class ResponsePlots {
     this.#before.addEventListener('change', show);
     this.#baselines.addEventListener('change', show);
     api.addEventListener('hello', () => { this.#completeIfSeen(); show(); });
-    api.addEventListener('patch', () => { this.#head.show(); this.#mark(); });
+    api.addEventListener('patch', (event) => {
+      this.#head.show();
+      this.#mark();
+      // A bound is seen where it is before it is judged.
+      if (/** @type {CustomEvent} */ (event).detail.patch.goals) this.#screen.request();
+    });
     api.addEventListener('moving', () => {
       if (api.moving && this.#opens && !this.#seen) this.#tab?.open();
     });
@@ -136,7 +158,9 @@ class ResponsePlots {
   // What is shown around the plots
 
   /** @param {Choice} choice */
-  #shown({view, joints}) {
+  #shown(choice) {
+    const {view, joints} = choice;
+    this.#choice = choice;
     const {lanes, selected} = this.#api;
     const {latest} = this.#preview;
     this.#screen.stage.style.setProperty('--panels', String(view.panels(joints).length));

@@ -68,14 +68,14 @@ export class ResponseSource {
    * @param {Choice} choice
    * @param {number} time in [s]
    */
-  readings(choice, time) { return responseReadings(this.#content(choice), time); }
+  readings(choice, time) { return responseReadings(this.content(choice), time); }
 
   /**
    * @param {Choice} choice
    * @returns {import('../plot_view/plot_screen.js').SourceSheet}
    */
   sheet(choice) {
-    const content = this.#content(choice);
+    const content = this.content(choice);
     const drawable = content.current || content.pinned.length;
     return {
       title: `Response: ${choice.view.title}`,
@@ -93,7 +93,7 @@ export class ResponseSource {
    * @param {Choice} choice
    * @returns {import('./curves.js').ResponseSheet}
    */
-  #content({view, joints, hidden}) {
+  content({view, joints, hidden}) {
     return {
       panels: view.panels(joints), current: this.#preview.latest,
       before: this.#before.isShown ? this.#before.response : null,

@@ -23,6 +23,7 @@ const HELP = [
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
   ['Ctrl V', 'Import an experiment from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
+  ['↑ ↓, ← →, Shift ← →', 'On a goal in the list: move its bound, its beginning, its end'],
   ['Esc', 'Discard what is typed; take a drag back; remove cursors; close'],
   ['?', 'This list'],
 ];

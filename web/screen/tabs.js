@@ -18,7 +18,7 @@ const TABS = [
 /**
  * @param {HTMLElement} place
  * @param {HTMLElement} workspace its `data-tab` says which part is chosen
- * @param {import('../api/api.js').Api} api the event `show` is about the plots
+ * @param {import('../api/api.js').Api} api its event `show` is about the plots, `goal` about a form
  */
 export function mountTabs(place, workspace, api) {
   const choose = (/** @type {string} */ id) => {
@@ -44,6 +44,7 @@ export function mountTabs(place, workspace, api) {
     buttons[next].focus();
   });
   api.addEventListener('show', () => choose('plots'));
+  api.addEventListener('goal', () => choose('tune'));
   const last = recall('tab');
   choose(TABS.find(({id}) => id === last)?.id ?? 'tune');
 }

@@ -129,3 +129,59 @@ def test_bounds_are_lines_in_the_plots_of_the_response(page: Page, dashboard: Da
     tone = "good" if kept else "bad"
     assert all(tone in line["uid"] for line in near)
     assert all("good" in line["uid"] for line in found if line["name"] == "far")
+
+
+def test_a_focused_goal_moves_with_the_arrow_keys_as_one_edit(
+    page: Page, dashboard: Dashboard
+) -> None:
+    patch(dashboard, {"goals": {"near": SETTLED}, **SHORT})
+    goals = open_goals(page, dashboard)
+    words = goals.get_by_role("spinbutton", name="Bound of near")
+    words.focus()
+    page.keyboard.down("ArrowUp")
+    page.keyboard.down("ArrowUp")
+    expect(words).to_have_text("error |e| ≤ 0.0208 rad, from 0.5 s")
+    page.keyboard.up("ArrowUp")
+    end = time.monotonic() + 15.0
+    while experiment(dashboard)["goals"]["near"]["bound"] != 0.0208:
+        assert time.monotonic() < end, experiment(dashboard)["goals"]
+        time.sleep(0.05)
+    expect(words).to_be_focused()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowLeft")
+    expect(words).to_have_text("error |e| ≤ 0.0208 rad, 0.6 s to 1.9 s")
+    for _ in range(3):
+        page.keyboard.press("Control+z")
+    expect(words).to_have_text("error |e| ≤ 0.02 rad, from 0.5 s")
+    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
+    assert experiment(dashboard)["goals"]["near"]["end"] == 120
+
+
+def test_the_joint_of_a_goal_is_changed_in_its_row(page: Page, dashboard: Dashboard) -> None:
+    patch(dashboard, {"goals": {"near": SETTLED}, **SHORT})
+    goals = open_goals(page, dashboard)
+    goals.get_by_label("Joint of near").select_option(label="joint 3")
+    expect(goals.locator(".goal-words")).to_have_text("error |e| of joint 3 ≤ 0.02 rad, from 0.5 s")
+    assert experiment(dashboard)["goals"]["near"]["joint"] == 3
+
+
+def test_a_figure_of_the_table_is_set_as_a_goal(page: Page, dashboard: Dashboard) -> None:
+    patch(dashboard, SHORT)
+    page.goto(dashboard.url)
+    page.get_by_role("tab", name="Response").click()
+    page.locator(".lane-pick").nth(1).click()
+    name = page.locator(".lane").nth(1).locator(".lane-name").inner_text()
+    run = simulate(Experiment.from_document(experiment(dashboard)), estimate=False)
+    expect(page.locator(".response-status")).to_have_attribute("data-estimated", "true")
+    page.get_by_role("button", name="Set a goal: MAE J2").click()
+    form = group(page).locator("form")
+    bound = form.get_by_label("Bound", exact=True)
+    expect(bound).to_be_focused()
+    present = 1000 * run.lanes[name].metrics.mae[1]
+    assert present <= float(bound.input_value()) == pytest.approx(present, rel=0.01)
+    bound.press("Enter")
+    (goal,) = until_goals(dashboard, 1).values()
+    assert (goal["figure"], goal["joint"]) == ("mae", 2)
+    # Rounded up: the lane that has it keeps to it.
+    chip = group(page).locator(".goal .goal-chip").nth(1)
+    expect(chip).to_have_class(re.compile("is-kept"))

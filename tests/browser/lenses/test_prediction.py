@@ -150,6 +150,29 @@ def test_the_lens_of_a_silent_loop_has_its_picture_and_says_why(
     expect(card(page, TITLE).get_by_role("button")).to_be_hidden()
 
 
+def test_a_loop_that_no_layer_holds_is_told_so_and_has_no_limit_cycle(
+    page: Page, dashboard: Dashboard
+) -> None:
+    dashboard.client.post("api/presets/drive-lag/load").raise_for_status()
+    others = dict.fromkeys(set(experiment(dashboard)["lanes"]) - {LANE})
+    # Far too high for joint 3 alone; joint 6 swings by itself.
+    gains = {"k1": [80.0, 80.0, 1000.0, 8.0, 8.0, 8.0]}
+    patch(dashboard, {"lanes": {LANE: gains, **others}, "simulation": {"horizon": 1.0}})
+    page.goto(dashboard.url)
+    page.get_by_role("tab", name="Lenses").click()
+    page.get_by_role("tab", name="Prediction").click()
+    assert all(joint["amplitude"] is None for joint in predicted(dashboard)["joints"])  # type: ignore[attr-defined]
+    expect(card(page, TITLE).locator(".lens-finding")).to_contain_text("farther and farther")
+    expect(card(page, TITLE).get_by_role("button")).to_be_hidden()
+    for row in card(page, TITLE).locator("tbody tr").all():
+        expect(row.locator("td").nth(2)).to_have_text("–")
+    expect(card(page, CURVE)).to_contain_text("in a loop that swings farther and farther")
+    expect(card(page, CURVE)).to_contain_text("that is no limit cycle")
+    expect(card(page, CURVE)).not_to_contain_text("S keeps swinging")
+    marks = card(page, CURVE).locator(".annotation-text")
+    expect(marks.filter(has_text="limit cycle")).to_have_count(0)
+
+
 @pytest.mark.parametrize(
     ("gains", "words"),
     [({"reaching": "power"}, "power reaching"), ({"k2": 0.0}, "k₂ of sign is 0")],

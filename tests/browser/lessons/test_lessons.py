@@ -151,7 +151,9 @@ def test_a_quoted_figure_stands_beside_the_live_one_of_the_same_time(
             len(figures), timeout=60_000
         )
         for row, figure in zip(rows.all(), figures, strict=True):
-            shown = float(row.locator("td").last.inner_text().replace(",", "").split()[0])
+            text = row.locator("td").last.inner_text().split()[0]
+            shown = float(text.replace(",", ""))
+            assert ("," in text) == (shown >= 10_000)
             number = float(figure["quoted"].strip("<> ").replace(",", ""))
             if figure["quoted"].startswith(">"):
                 assert shown > number

@@ -103,6 +103,20 @@ def test_it_is_offered_where_sign_chatters_and_taking_the_offer_ends_that(lane: 
     assert not [note for note in advice_on(pack(chattering.patched(offer.patch)), "A")]
 
 
+def test_within_the_layer_that_the_offer_names_s_is_gone_after_one_period() -> None:
+    one = experiment("shaped", "sign")
+    (offer,) = (note for note in advice_on(pack(one), "A") if note.title.endswith("(implicit)"))
+    assert offer.message.endswith("within which S is gone after one period.")
+    taken = one.patched(offer.patch)
+    on, off = (
+        simulate(taken.patched({"simulation": {"initial_error": error}}), estimate=False)
+        for error in (0.0, 1e-5)
+    )
+    apart = np.abs(off.lanes["A"].S - on.lanes["A"].S)
+    assert np.all(np.abs(off.lanes["A"].S[0]) < off.lanes["A"].layer)
+    assert np.all(apart[1] < 0.1 * apart[0])
+
+
 @pytest.mark.parametrize("lane", LANES)
 def test_under_a_delay_it_is_not_offered_and_the_lane_that_has_it_is_offered_tanh(
     lane: str,

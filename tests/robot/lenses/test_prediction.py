@@ -298,6 +298,34 @@ def test_a_loop_that_no_layer_holds_is_given_no_amplitude(switching: str) -> Non
         assert joint.threshold is None
 
 
+def beside_a_slow_drive(**lane: Any) -> Experiment:
+    document = drawn(2).document()
+    gains = {"law": "integral_smc", "k1": 7.5, "k2": 30.0, "kp": 100.0, "kd": 20.0}
+    document["lanes"] = {"A": {**gains, "switching": "sign", **lane}}
+    document["robot"] |= {"lag": [0.001, 0.002, 0.015, 0.002, 0.007, 0.001], "lag_order": "second"}
+    document["simulation"] |= {"control_rate": 250.0, "plant_substeps": 32, "input_delay": 0.0}
+    return Experiment.from_document(document)
+
+
+def test_joints_beside_one_with_a_slow_drive_have_their_limit_cycles() -> None:
+    experiment = beside_a_slow_drive()
+    view = seen(experiment, "A")
+    assert view.threshold is not None
+    for joint in view.joints:
+        assert joint.threshold is not None
+        assert joint.amplitude
+    # Those that joint 3 hardly moves.
+    assert all(agrees(view.joints[alone], 0.004) for alone in (0, 4, 5)), view
+
+
+def test_a_layer_that_a_lane_may_not_have_is_not_proposed() -> None:
+    slow = beside_a_slow_drive(k1=0.0, k2=1000.0, kp=4.0, kd=3.0).patched({"robot": {"lag": 0.03}})
+    view = seen(slow, "A")
+    assert view.threshold is not None
+    assert view.threshold > 10.0
+    assert view.epsilon is None
+
+
 def test_a_lane_without_a_switching_term_has_no_prediction() -> None:
     experiment = Experiment.from_document(
         {"lanes": {"A": {"law": "computed_torque"}}, "simulation": {"horizon": 0.5}}

@@ -114,6 +114,15 @@ def test_a_layer_for_each_joint_is_silent_from_its_threshold_on(
     np.testing.assert_allclose(crossings, layers, rtol=0.15)
 
 
+def test_a_threshold_is_told_down_to_the_narrowest_layer_there_is() -> None:
+    lane = {"law": "integral_smc", "k1": 5.0, "k2": 4.0, "kp": 100.0, "kd": 20.0}
+    one = experiment({}, {"control_rate": 10000.0, "plant_substeps": 4, "horizon": 0.5}, lane)
+    found = silent_layer(pack(one), "A", np.ones(JOINTS), 0.0)
+    assert found is not None
+    assert found[0] == pytest.approx(0.5 * 4.0 / 10000.0, rel=0.05)
+    assert threshold(one, found) == pytest.approx(1.0, abs=0.1)
+
+
 def test_a_loop_that_its_proportional_gain_makes_swing_is_never_silent() -> None:
     lane = {"law": "smc", "k1": 600.0, "k2": 5.0}
     one = experiment({"lag": 0.01, "lag_order": "second"}, {}, lane)

@@ -97,6 +97,12 @@ def test_what_can_come_to_nothing_is_refused_by_field(
     assert path in [field.path for field in caught.value.fields]
 
 
+def test_what_is_missing_is_said_to_be() -> None:
+    with pytest.raises(InvalidExperimentError) as caught:
+        Study.from_document("sweep", uncertain(), {})
+    assert [str(field) for field in caught.value.fields] == ["axes: axes is missing"]
+
+
 def test_without_goals_or_ranges_there_is_nothing_to_study() -> None:
     plain = load_preset("paper")
     for kind, path in (("tune", "goals"), ("worst", "goals"), ("robustness", "draws")):

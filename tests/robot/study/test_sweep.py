@@ -47,7 +47,7 @@ def test_every_combination_is_run_in_order_with_the_last_axis_the_fastest() -> N
     [
         ([Axis("mass", (1.0, 2.0))], "mass", "no gain mass"),
         ([Axis("robot.mass", (1.0, 2.0))], "robot.mass", "no number stands"),
-        ([Axis("robot.payload", (1.0, 2.0))], "robot.payload", "no number to sweep"),
+        ([Axis("robot.payload", (1.0, 2.0))], "robot.payload", "no number to set"),
         ([Axis("robot.lag", (0.0, 1.0))], "robot.lag", "[0, 0.05] s"),
         ([Axis("nu", (1.0, 2.0)), Axis("nu", (1.0, 2.0))], "nu", "twice"),
         ([Axis("nu", tuple(np.linspace(1.0, 2.0, 10001)))], "nu", "at most 10,000"),

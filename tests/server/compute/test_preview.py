@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.knobs.knob import knob, knobs
+from slidetune.robot.knobs.plan import EPSILONS, sensitivity, strip, switching_comparison
+from slidetune.robot.knobs.variant import figures
 from slidetune.robot.laws.terms.switching import SWITCHINGS
 from slidetune.robot.loop.figures import STUDIED
 from slidetune.robot.loop.response import CHANNELS
 from slidetune.robot.loop.simulate import simulate
-from slidetune.robot.study.knob import knob, knobs
-from slidetune.robot.study.plan import EPSILONS, sensitivity, strip, switching_comparison
-from slidetune.robot.study.variant import figures
 from tests.server.conftest import Served
 
 Array = np.ndarray

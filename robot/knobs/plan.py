@@ -9,7 +9,7 @@ import numpy as np
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.study.knob import COUNT, knob, knobs
+from slidetune.robot.knobs.knob import COUNT, knob, knobs
 
 EPSILONS = np.geomspace(1e-3, 1.0, 13)
 """Boundary layers of an accuracy-chattering curve in [rad/s] (*ours*)."""

@@ -1,14 +1,13 @@
 // @ts-check
 /** The goals of a response as lines in its plots: where they hold, and at which value. */
 
-import {boundedBy} from './words.js';
-
-/** @typedef {import('./words.js').Goal} Goal */
+/** @typedef {import('../goals/words.js').Goal} Goal */
 /** @typedef {import('../api/preview_message.js').Response} Response */
 /** @typedef {import('../response/views.js').ResponsePanel} ResponsePanel */
 /**
  * `kept` by every lane that is shown; null where there is no response to tell.
- * @typedef {{name: string, x: Float64Array, y: Float64Array, kept: boolean|null}} Bound
+ * @typedef {{name: string, goal: Goal, x: Float64Array, y: Float64Array,
+ *   kept: boolean|null}} Bound
  */
 
 /**
@@ -28,21 +27,28 @@ export function boundsOf(goals, panel, response, shows) {
       .map(([, lane]) => lane.goals?.ratios[name]);
     const known = ratios.length > 0 && ratios.every((ratio) => ratio !== undefined);
     const kept = known ? ratios.every((ratio) => typeof ratio === 'number' && ratio <= 1) : null;
-    const value = goal.bound * boundedBy(goal).factor;
+    const value = goal.bound * panel.scale;
     const signs = panel.positive ? [1] : [1, -1];
     return signs.map((sign) => ({
-      name, x: Float64Array.of(start, end), y: Float64Array.of(sign * value, sign * value), kept,
+      name, goal, x: Float64Array.of(start, end), y: Float64Array.of(sign * value, sign * value), kept,
     }));
   });
 }
 
 /**
- * @param {Goal} goal
  * @param {string} channel of a panel, such as `e2`
+ * @returns {{channel: string, joint: number}} what a goal calls it, such as e of joint 2
  */
-function concerns({channel = '', joint}, channelOfPanel) {
-  if (channel === channelOfPanel) return true;
-  if (!channelOfPanel.startsWith(channel)) return false;
-  const of = Number(channelOfPanel.slice(channel.length));
-  return Number.isInteger(of) && of > 0 && (joint === 0 || joint === of);
+export function boundedIn(channel) {
+  const [, stem, joint] = /** @type {RegExpExecArray} */ (/^(.*?)(\d*)$/.exec(channel));
+  return {channel: stem, joint: Number(joint)};
+}
+
+/**
+ * @param {Goal} goal
+ * @param {string} channelOfPanel
+ */
+function concerns({channel, joint}, channelOfPanel) {
+  const shown = boundedIn(channelOfPanel);
+  return channel === shown.channel && (joint === 0 || joint === shown.joint);
 }

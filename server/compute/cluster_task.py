@@ -1,0 +1,114 @@
+"""What a cluster is handed: a call by its content, made by workers of the same build alone."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import pickle
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy
+import pinocchio
+
+import slidetune.robot
+from slidetune.robot.errors import SlidetuneError
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.version import __version__
+
+Build = dict[str, str]
+
+
+class ClusterError(SlidetuneError):
+    """What a study can't go on without is gone from its cluster, or isn't what it must be."""
+
+
+class WrongBuildError(ClusterError):
+    """A worker's results would not be those of the coordinator."""
+
+
+def _sources() -> str:
+    """Return a digest of everything in `robot/` that a result depends on, wherever it lies."""
+    root = Path(slidetune.robot.__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*"), key=lambda path: path.relative_to(root).as_posix()):
+        if path.suffix in (".py", ".urdf"):
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+            digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:12]
+
+
+# As it was when this process loaded it, whatever becomes of the files.
+BUILD: Build = {
+    "slidetune": __version__,
+    "sources": _sources(),
+    "python": f"{sys.version_info.major}.{sys.version_info.minor}",
+    "numpy": numpy.__version__,
+    "numba": numba.__version__,
+    "pin": pinocchio.__version__,
+}
+"""What a result depends on beside its arguments: workers and coordinator must agree in it."""
+
+
+def difference(has: Build, wanted: Build) -> str:
+    """Return in words in what a build differs from the wanted one; empty if in nothing."""
+    return ", ".join(
+        f"{name} {has.get(name, 'none')} (wanted {value})"
+        for name, value in wanted.items()
+        if has.get(name) != value
+    )
+
+
+def run_task(wanted: Build, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Call a function on a worker.
+
+    Raises:
+        WrongBuildError: naming the worker, what it has and what is wanted.
+    """
+    if words := difference(BUILD, wanted):
+        from distributed import get_worker
+
+        raise WrongBuildError(f"worker {get_worker().address} has another build: {words}")
+    return function(*arguments)
+
+
+class _Call:
+    """A call that is made where its pickle is loaded.
+
+    So the scheduler, which loads what it is told of a task, passes on bytes and needs no Slidetune.
+    """
+
+    def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+        self._function, self._arguments = function, arguments
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return run_task, (BUILD, self._function, self._arguments)
+
+
+def packed_call(function: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:
+    """Return a call as bytes; ``pickle.loads`` makes it and returns what it returns."""
+    return pickle.dumps(_Call(function, arguments))
+
+
+def content_key(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
+    """Return a name of a call that is the same in every process, and of no other call.
+
+    Args:
+        function: one of a module.
+        arguments: experiments and plain JSON values.
+
+    Raises:
+        TypeError: for any other argument.
+    """
+    name = function.__qualname__
+    content = json.dumps([BUILD, function.__module__, name, arguments], default=_plain)
+    return f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:32]}"
+
+
+def _plain(value: object) -> Any:
+    if isinstance(value, Experiment):
+        return value.document()
+    raise TypeError(f"{type(value).__name__} has no content key")
