@@ -53,6 +53,10 @@ MOST_ENTRIES = 1000
 """Most entries in one answer or event (*ours*)."""
 Number = Annotated[int, Path(ge=1, le=2**53, description="The study's number.")]
 Place = Annotated[int, Path(ge=0, le=2**53, description="Number of the entry, from 0.")]
+TrialNumber = Annotated[
+    int | None,
+    Query(ge=0, le=2**53, description="Whose gains a preset has; the best trial's if left out."),
+]
 UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
 VARIANT: dict[int | str, dict[str, Any]] = {**UNKNOWN, 422: {"model": ErrorAnswer}}
 DOWNLOADS: dict[int | str, dict[str, Any]] = {
@@ -197,7 +201,10 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         async def events() -> AsyncIterator[str]:
             known, ended, told = begin, False, ""
             while not ended:
-                record = await asyncio.to_thread(store.one, number)
+                try:
+                    record = await asyncio.to_thread(store.one, number)
+                except UnknownStudyError:
+                    return  # deleted meanwhile
                 new = await asyncio.to_thread(store.entries, number, known, MOST_ENTRIES)
                 data = {**_summary(app_state, record), "first": known, "entries": new}
                 known += len(new)
@@ -212,12 +219,14 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         return LimitedStream(followed, events(), EVENTS)
 
     @router.get("/{number}/download", responses=DOWNLOADS)
-    def file(number: Number, format: Annotated[Format, Query()]) -> Response:
-        """A study as a file: itself, its entries as a table, or a preset with the best gains."""
+    def file(
+        number: Number, format: Annotated[Format, Query()], trial: TrialNumber = None
+    ) -> Response:
+        """A study as a file: itself, its entries as a table, or a preset with found gains."""
         record = store.one(number)
         study = _study(record)
         entries = [study.entry(document) for document in store.entries(number)]
-        content, media_type = download(study, record.title, entries, format)
+        content, media_type = download(study, record.title, entries, format, trial)
         disposition = f'attachment; filename="study-{number}.{SUFFIXES[format]}"'
         return Response(
             content, media_type=media_type, headers={"content-disposition": disposition}

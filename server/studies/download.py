@@ -35,16 +35,24 @@ _WHOLE, _TRUTH, _WORDS = {"number", "draws"}, {"kept", "beaten"}, {"refused"}
 
 
 def download(
-    study: Study, title: str, entries: Sequence[Entry], format: Format
+    study: Study, title: str, entries: Sequence[Entry], format: Format, trial: int | None = None
 ) -> tuple[bytes, str]:
     """Return a study as the content of a file, and its media type.
 
+    Args:
+        study: what was wanted.
+        title: what people call it.
+        entries: its first ones.
+        format: which kind of file.
+        trial: number of the trial whose gains a preset has; ``None`` for the best one's.
+
     Raises:
-        InvalidExperimentError: if a preset is asked for of what found no gains.
+        InvalidExperimentError: if a preset is asked for of what found no gains, or of a trial that
+            there is not.
     """
     writers = {"csv": csv_of, "parquet": parquet_of}
     if format == "preset":
-        content = _preset(study, entries)
+        content = _preset(study, entries, trial)
     elif format == "yaml":
         content = _document(study, title, entries)
     else:
@@ -102,9 +110,14 @@ def _document(study: Study, title: str, entries: Sequence[Entry]) -> bytes:
     return text.getvalue()
 
 
-def _preset(study: Study, entries: Sequence[Entry]) -> bytes:
-    best = best_of([one for one in entries if isinstance(one, Trial)])
+def _preset(study: Study, entries: Sequence[Entry], number: int | None) -> bytes:
+    trials = [one for one in entries if isinstance(one, Trial)]
+    best = best_of(trials)
     if best is None:
         text = "this study found no gains to write: a preset is what a search comes to"
         raise InvalidExperimentError([FieldError("format", text, "preset")])
-    return experiment_to_yaml(study.experiment.patched(best.patch)).encode()
+    if number is not None and number >= len(trials):
+        text = f"must be the number of a trial, 0 to {len(trials) - 1}, got {number}"
+        raise InvalidExperimentError([FieldError("trial", text, number)])
+    chosen = best if number is None else trials[number]
+    return experiment_to_yaml(study.experiment.patched(chosen.patch)).encode()

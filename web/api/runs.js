@@ -54,15 +54,16 @@ export class Runs {
   }
 
   /**
-   * Run every lane over its horizon; while watching: the owner's last response. Of two at once the
-   * server gives up the older.
+   * Run every lane over its horizon; while watching: the owner's last response. Of two at once for
+   * one purpose the server gives up the older.
    *
    * @param {{experiment?: Document, estimate?: boolean, show?: boolean|null}} body
    * @param {AbortSignal} [signal]
+   * @param {string} [purpose]
    * @returns {Promise<ArrayBuffer|null>} see preview_message.js; null when it was given up
    */
-  preview(body, signal) {
+  preview(body, signal, purpose = 'preview') {
     if (isWatching()) return request('GET', '/api/results/response', undefined, signal);
-    return request('POST', '/api/preview', {...body, client: `${this.#api.client} preview`}, signal);
+    return request('POST', '/api/preview', {...body, client: `${this.#api.client} ${purpose}`}, signal);
   }
 }

@@ -35,6 +35,13 @@ import {request} from './http.js';
  *   least: (number|null)[], greatest: (number|null)[]}} Band */
 /** @typedef {{draws: number, time: number[], curves: {[name: string]: Band}}} Bands */
 /** @typedef {'yaml'|'csv'|'parquet'|'preset'} Format */
+/**
+ * `revision`: the one that it made; for `seconds` of simulated time the hard goals in `watched` are
+ * watched, those in `unwatched` can't be.
+ *
+ * @typedef {{accepted: boolean, revision: number, seconds: number, watched: string[],
+ *   unwatched: string[]}} Accepted
+ */
 
 const ROOT = '/api/studies';
 
@@ -98,9 +105,26 @@ export function deleteStudy(id) { return request('DELETE', `${ROOT}/${id}`); }
 /**
  * @param {number} id
  * @param {Format} format
+ * @param {number} [trial] whose gains a preset has; those of the best one where it is left out
  * @returns {string} address of the file
  */
-export function studyFile(id, format) { return `${ROOT}/${id}/download?format=${format}`; }
+export function studyFile(id, format, trial) {
+  const of = trial === undefined ? '' : `&trial=${trial}`;
+  return `${ROOT}/${id}/download?format=${format}${of}`;
+}
+
+/**
+ * Give a live lane other gains; for a while the server watches whether it keeps its hard goals, and
+ * goes back to the former gains with a notice if it does not.
+ *
+ * @param {string} lane
+ * @param {Document} patch merge patch of the experiment that touches nothing but this lane
+ * @param {string} client id of this page, whose edit it is
+ * @returns {Promise<Accepted>} broken with an ApiError where the server refuses
+ */
+export function acceptGains(lane, patch, client) {
+  return request('POST', `${ROOT}/accept`, {lane, patch, client});
+}
 
 /**
  * Follow a study: all its entries so far, then more as they come, until it ends.

@@ -14,6 +14,7 @@ import {threeDigits} from '../figures/columns.js';
 import {RobustnessResult} from '../study_results/robustness.js';
 import {SweepResult} from '../study_results/sweep.js';
 import {WorstResult} from '../study_results/worst.js';
+import {SearchResult} from '../study_search/search_result.js';
 import {differencesOf} from './other_experiment.js';
 import {StudyFeed} from './feed.js';
 import {nameOf, progressWords, stateWords, whenOf} from './words.js';
@@ -27,6 +28,7 @@ import {nameOf, progressWords, stateWords, whenOf} from './words.js';
 
 /** @type {{[kind: string]: new (api: Api, desk: Desk) => Result}} What shows a study of a kind. */
 const RESULTS = {
+  tune: SearchResult,
   robustness: RobustnessResult,
   worst: WorstResult,
   sweep: SweepResult,
@@ -70,8 +72,7 @@ export class OpenStudy {
     this.#leave = leave;
     this.#ended = ended;
     this.#names = new FieldNames(new Schema(SCHEMA), api);
-    const Kind = RESULTS[summary.kind];
-    this.#result = Kind ? new Kind(api, desk) : null;
+    this.#result = new RESULTS[summary.kind](api, desk);
     const id = freshId('study');
     this.#title = element('h3', {id, tabindex: -1}, nameOf(summary));
     const act = (/** @type {string} */ text, /** @type {() => void} */ run) => element('button', {

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.study.knob import knob
+from slidetune.robot.knobs.knob import knob
 from tests.browser.conftest import Complaints, Dashboard
 from tests.browser.lenses.test_lenses import experiment, patch
 

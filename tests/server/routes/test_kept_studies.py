@@ -233,6 +233,11 @@ def test_a_study_comes_as_a_file_in_every_form(served: Served) -> None:
     preset = experiment_from_yaml(file("preset").content)
     best = found["result"]["best"]
     assert preset.lanes[LANE].model_dump()["nu"] == best["values"]["nu"]
+    third = experiment_from_yaml(file("preset&trial=3").content)
+    assert third.lanes[LANE].model_dump()["nu"] == entries[3]["values"]["nu"]
+    lost = served.http.get(f"/api/studies/{number}/download?format=preset&trial=6")
+    assert lost.status_code == 422
+    assert "0 to 5" in lost.text
     rows = list(csv.DictReader(io.StringIO(file("csv").text)))
     assert [float(row["nu"]) for row in rows] == [entry["values"]["nu"] for entry in entries]
     errors = [entry["outcome"]["figures"]["mae"] for entry in entries]
