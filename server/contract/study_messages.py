@@ -104,3 +104,9 @@ class Accepting(BaseModel):
     )
     watched: list[str] = Field(description="Hard goals that are watched.")
     unwatched: list[str] = Field(description="Hard goals that the live session can't measure.")
+
+
+class Replayed(BaseModel):
+    """Two runs that the 3D scene shows in place of the live session."""
+
+    seconds: float = Field(description="For so long; then the live session is shown again.")

@@ -25,6 +25,7 @@ from slidetune.server.contract.study_messages import (
     Acceptance,
     Accepting,
     NewStudy,
+    Replayed,
     StudyAnswer,
     StudyBands,
     StudyEntries,
@@ -41,6 +42,7 @@ from slidetune.server.guard.limits import (
 from slidetune.server.guard.plain_json import NotJsonError, read_json
 from slidetune.server.live.goal_watch import SECONDS
 from slidetune.server.routes.limited_stream import LimitedStream
+from slidetune.server.scene.replay import replay_of
 from slidetune.server.state.app_state import AppState
 from slidetune.server.studies.download import MEDIA, SUFFIXES, Format, download
 from slidetune.server.studies.runner import UNDER_WAY, curves_from
@@ -181,6 +183,18 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         if not found:
             raise UnknownStudyError(f"study {number} has no entry {place}")
         return study.variant(study.entry(found[0])).document()
+
+    @router.post("/{number}/entries/{place}/replay", response_model=Replayed, responses=VARIANT)
+    def replay(number: Number, place: Place) -> dict[str, Any]:
+        """Show an entry's run in 3D beside the nominal one, in real time, to the horizon."""
+        study = _study(store.one(number))
+        found = store.entries(number, place, 1)
+        if not found:
+            raise UnknownStudyError(f"study {number} has no entry {place}")
+        other = study.variant(study.entry(found[0]))
+        color = app_state.colors.of(study.lane)
+        app_state.view.show_replay(replay_of(study.experiment, other, study.lane, color))
+        return {"seconds": study.experiment.simulation.horizon}
 
     @router.get("/{number}/bands", response_model=StudyBands, responses=UNKNOWN)
     def bands(number: Number) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.pull import Pull
 from slidetune.server.live.recorder import Moment
 from slidetune.server.live.telemetry import Channel
+from slidetune.server.scene.replay import Replay
 from slidetune.server.scene.scene import LaneStyle, Scene, SceneFrame
 
 Array = np.ndarray
@@ -48,6 +49,8 @@ class SceneFeed:
         self._responses: dict[str, Array] | None = None
         self._past: Moment | None = None
         self._present: float | None = None
+        self._replay: Replay | None = None
+        self._replayed: tuple[Replay, float, int] | None = None
 
     def pull(self) -> Pull | None:
         """Return how somebody pulls at the arm, or ``None``."""
@@ -83,6 +86,15 @@ class SceneFeed:
         """The past moment that is shown, ``None`` for the present."""
         return self._past
 
+    def show_replay(self, replay: Replay | None) -> None:
+        """Show two runs side by side in place of the session, once; ``None``: the session again."""
+        self._replay = replay
+
+    @property
+    def replaying(self) -> bool:
+        """Whether two runs are shown in place of the session."""
+        return self._replay is not None
+
     def restart(self) -> None:
         """Clear the trails."""
         self._blocks.clear()
@@ -100,7 +112,7 @@ class SceneFeed:
         if now - self._drawn < FRAME:
             return
         self._drawn = now
-        self._guarded(lambda: self._draw(loop))
+        self._guarded(lambda: self._draw(loop, now))
 
     def _guarded(self, action: object) -> None:
         """Never let the 3D view stop the session."""
@@ -112,7 +124,9 @@ class SceneFeed:
             log.exception("The 3D view failed and is switched off until the server restarts.")
             self._broken = True
 
-    def _draw(self, loop: ClosedLoop) -> None:
+    def _draw(self, loop: ClosedLoop, now: float) -> None:
+        if self._draw_replay(now):
+            return
         self._configure(loop.packed, list(loop.lanes))
         lanes = loop.lanes
         points = np.vstack(self._blocks) if self._blocks else None
@@ -141,6 +155,35 @@ class SceneFeed:
                 past=moment is not None,
             )
         )
+
+    def _draw_replay(self, now: float) -> bool:
+        """Draw the replay, if there is one; return whether there was."""
+        replay, replayed = self._replay, self._replayed
+        if replay is None:
+            if replayed is not None:
+                self._leave_replay()
+            return False
+        if replayed is None or replayed[0] is not replay:
+            self.scene.clear_trails()
+            self.scene.configure(replay.styles, replay.styles[0].name, replay.robot, replay.desired)
+            replayed = replay, now, 0
+        _, began, shown = replayed
+        row = replay.row(now - began)
+        if row is None:
+            if self._replay is replay:
+                self._replay = None
+            self._leave_replay()
+            return False
+        self.scene.update(replay.frame(shown, row))
+        self._replayed = replay, began, row
+        self._blocks.clear()
+        return True
+
+    def _leave_replay(self) -> None:
+        self._replayed = None
+        self._shown = ()
+        self._blocks.clear()
+        self.scene.clear_trails()
 
     def _looked_at(self, loop: ClosedLoop) -> Moment | None:
         """Return the past moment to show; none once time has gone on."""

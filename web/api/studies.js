@@ -99,6 +99,15 @@ export function stopStudy(id) { return request('POST', `${ROOT}/${id}/stop`); }
  */
 export function resumeStudy(id) { return request('POST', `${ROOT}/${id}/resume`); }
 
+/**
+ * Show an entry's run in 3D beside the nominal one.
+ *
+ * @param {number} id
+ * @param {number} place number of the entry, from 0
+ * @returns {Promise<{seconds: number}>} for how long
+ */
+export function replayEntry(id, place) { return request('POST', `${ROOT}/${id}/entries/${place}/replay`); }
+
 /** @param {number} id */
 export function deleteStudy(id) { return request('DELETE', `${ROOT}/${id}`); }
 

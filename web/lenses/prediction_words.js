@@ -7,6 +7,8 @@ import {written} from '../fields/quantity.js';
 
 /** Share of the time from which on a limit or friction is worth a word (*ours*). */
 export const OFTEN = 0.05;
+/** Share of k₂ that a load takes from which on the wave is too lopsided for the prediction (*ours*). */
+const HALF = 0.5;
 /** Switching functions that the button replaces by tanh. */
 const REPLACED = ['sign', 'implicit'];
 
@@ -99,6 +101,8 @@ export function cautions(one, joint, {switching}) {
     !swings && whySilent(one, joint),
     swings && one.coarse && 'A switch waits for the next sample: where the samples fall decides, within the range given.',
     Math.abs(one.load) >= 1 && `The load exceeds ${bound}: S leaves its surface, and there is no limit cycle.`,
+    swings && Math.abs(one.load) >= HALF && Math.abs(one.load) < 1
+      && `The load takes ${percent(Math.abs(one.load))} of ${bound}: it swings more slowly than predicted, and farther.`,
     one.limited > OFTEN && `At its torque limit for ${percent(one.limited)} of the time: it swings otherwise.`,
     one.sticking > OFTEN && `Coulomb friction takes part of the swing for ${percent(one.sticking)} of the time.`,
   ];

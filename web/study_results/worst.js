@@ -2,6 +2,7 @@
 /** The worst that was found: where it is, what came of it beside the nominal, what was tried. */
 
 import {element} from '../dom/element.js';
+import {replayEntry} from '../api/studies.js';
 import {isWatching} from '../api/watch_only.js';
 import {withUnit} from '../fields/quantity.js';
 import {figureHeading, figureNumber, threeDigits} from '../figures/columns.js';
@@ -33,6 +34,8 @@ export class WorstResult {
   #tried;
   #figure = new LensFigure({height: HEIGHT});
   #run;
+  #replay;
+  #shown = element('p', {class: 'study-words', role: 'status', hidden: true});
   /** @type {Study|null} */ #study = null;
   /** @type {Draw|null} */ #worst = null;
   /** @type {LaneResponse|null} */ #nominal = null;
@@ -51,8 +54,13 @@ export class WorstResult {
       title: 'The live experiment gets these values; undo brings the present ones back',
       on: {click: () => this.#go()},
     }, 'Run it here');
+    this.#replay = element('button', {
+      class: 'button small', type: 'button', hidden: true,
+      title: 'The 3D view shows both runs once, in real time, in place of the live session',
+      on: {click: () => this.#show()},
+    }, 'Replay in 3D beside the nominal');
     this.#found = new LensCard({title: 'Worst found', equation: '', words: CAUTION}, this.#where,
-      element('div', {class: 'lens-row'}, this.#run));
+      element('div', {class: 'lens-row'}, this.#replay, this.#run), this.#shown);
     const table = element('table', {class: 'lens-table'}, element('thead', {}, element('tr', {},
       ...['', 'nominal', 'worst found'].map((text) => element('th', {scope: 'col'}, text)))), this.#body);
     this.#beside = new LensCard({
@@ -91,7 +99,7 @@ export class WorstResult {
    * @param {Draw} worst
    */
   #locate({experiment}, {values, outcome, index}) {
-    this.#run.hidden = isWatching();
+    this.#run.hidden = this.#replay.hidden = isWatching();
     this.#where.replaceChildren(...Object.entries(values).map(([name, value]) => {
       const [low, high] = experiment.uncertainty[name];
       const {title = name, unit = ''} = QUANTITIES.get(name) ?? {};
@@ -122,6 +130,19 @@ export class WorstResult {
       this.#beside.finding = `The nominal could not be run: ${/** @type {Error} */ (error).message}`;
     }
     preview.needed(REASON, false);
+  }
+
+  /** Both runs in 3D. */
+  async #show() {
+    const [study, worst] = [this.#study, this.#worst];
+    if (!study || !worst) return;
+    this.#shown.hidden = false;
+    try {
+      const {seconds} = await replayEntry(study.id, worst.index);
+      this.#shown.textContent = `The 3D view shows, for ${threeDigits(seconds)} s, the nominal solid and the worst found as a red ghost.`;
+    } catch (error) {
+      this.#shown.textContent = /** @type {Error} */ (error).message;
+    }
   }
 
   #tabulate() {

@@ -278,3 +278,16 @@ def test_kinds_are_described(served: Served) -> None:
     told = served.http.get("/api/studies/kinds").json()
     assert set(told) == {"tune", "robustness", "worst", "sweep"}
     assert told["tune"]["properties"]["trials"]["default"] == 200
+
+
+def test_the_worst_is_replayed_in_3d_beside_the_nominal(served: Served) -> None:
+    experiment = prepare(served)
+    number = begun(served, "worst", trials=8)
+    ended(served, number)
+    answer = served.http.post(f"/api/studies/{number}/entries/3/replay")
+    assert answer.json() == {"seconds": experiment.simulation.horizon}
+    assert served.http.post(f"/api/studies/{number}/entries/8/replay").status_code == 404
+    end = time.monotonic() + LONG
+    while served.app_state.view.replaying and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not served.app_state.view.replaying
