@@ -156,7 +156,7 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         told = {"watched": watched, "unwatched": unwatched}
         return {"revision": change.revision, "seconds": SECONDS, **told}
 
-    @router.get("/{number}", response_model=StudyAnswer, responses=UNKNOWN)
+    @router.get("/{number:int}", response_model=StudyAnswer, responses=UNKNOWN)
     def one_study(number: Number) -> dict[str, Any]:
         """One study and what it shows so far."""
         record = store.one(number)
@@ -169,13 +169,13 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
             "result": result_of(study, entries),
         }
 
-    @router.get("/{number}/entries", response_model=StudyEntries, responses=UNKNOWN)
+    @router.get("/{number:int}/entries", response_model=StudyEntries, responses=UNKNOWN)
     def entries(number: Number, first: Annotated[int, Query(ge=0, le=2**53)] = 0) -> dict[str, Any]:
         """Entries of a study in their order, 1000 at most: trials, draws or points."""
         store.one(number)
         return {"first": first, "entries": store.entries(number, first, MOST_ENTRIES)}
 
-    @router.get("/{number}/entries/{place}/experiment", responses=VARIANT)
+    @router.get("/{number:int}/entries/{place:int}/experiment", responses=VARIANT)
     def variant(number: Number, place: Place) -> dict[str, Any]:
         """The whole experiment that an entry is of: with its gains, its draw or its point."""
         study = _study(store.one(number))
@@ -184,7 +184,9 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
             raise UnknownStudyError(f"study {number} has no entry {place}")
         return study.variant(study.entry(found[0])).document()
 
-    @router.post("/{number}/entries/{place}/replay", response_model=Replayed, responses=VARIANT)
+    @router.post(
+        "/{number:int}/entries/{place:int}/replay", response_model=Replayed, responses=VARIANT
+    )
     def replay(number: Number, place: Place) -> dict[str, Any]:
         """Show an entry's run in 3D beside the nominal one, in real time, to the horizon."""
         study = _study(store.one(number))
@@ -196,13 +198,13 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         app_state.view.show_replay(replay_of(study.experiment, other, study.lane, color))
         return {"seconds": study.experiment.simulation.horizon}
 
-    @router.get("/{number}/bands", response_model=StudyBands, responses=UNKNOWN)
+    @router.get("/{number:int}/bands", response_model=StudyBands, responses=UNKNOWN)
     def bands(number: Number) -> dict[str, Any]:
         """Within what the responses of the draws lie; empty of a study without draws."""
         study = _study(store.one(number))
         return bands_of(study, [curves_from(kept) for kept in store.curves(number)])
 
-    @router.get("/{number}/events", response_class=StreamingResponse, responses=FOLLOWED)
+    @router.get("/{number:int}/events", response_class=StreamingResponse, responses=FOLLOWED)
     async def follow(
         number: Number,
         first: Annotated[int, Query(ge=0, le=2**53, description="Entries that are known.")] = 0,
@@ -232,7 +234,7 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
 
         return LimitedStream(followed, events(), EVENTS)
 
-    @router.get("/{number}/download", responses=DOWNLOADS)
+    @router.get("/{number:int}/download", responses=DOWNLOADS)
     def file(
         number: Number, format: Annotated[Format, Query()], trial: TrialNumber = None
     ) -> Response:
@@ -246,19 +248,19 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
             content, media_type=media_type, headers={"content-disposition": disposition}
         )
 
-    @router.post("/{number}/stop", response_model=StudySummary, responses=UNKNOWN)
+    @router.post("/{number:int}/stop", response_model=StudySummary, responses=UNKNOWN)
     def stop(number: Number) -> dict[str, Any]:
         """End a study early; what is done is kept."""
         runner.stop(number)
         return _summary(app_state, store.one(number))
 
-    @router.post("/{number}/resume", response_model=StudySummary, responses=UNKNOWN)
+    @router.post("/{number:int}/resume", response_model=StudySummary, responses=UNKNOWN)
     def resume(number: Number) -> dict[str, Any]:
         """Go on with a study that was stopped or has failed; of any other nothing is changed."""
         runner.resume(number)
         return _summary(app_state, store.one(number))
 
-    @router.delete("/{number}", status_code=204, responses=UNKNOWN)
+    @router.delete("/{number:int}", status_code=204, responses=UNKNOWN)
     def delete(number: Number) -> Response:
         """Forget a study, whatever it does."""
         runner.delete(number)

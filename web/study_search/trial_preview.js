@@ -20,7 +20,6 @@ const KEPT = 60;
 /** Of another purpose than the view of the response, whose runs it must not end. */
 const PURPOSE = 'study';
 const JOINTS = [1, 2, 3, 4, 5, 6];
-const MRAD = 1000;
 /** Smaller errors than this share of the greatest are not worth the height; ours. */
 const DEEPEST = 1e-5;
 
@@ -156,14 +155,14 @@ export class TrialPreview {
 /**
  * @param {LaneResponse} response
  * @param {number} joint 0 for the worst at each time
- * @returns {Float64Array} |e| in [mrad]
+ * @returns {Float64Array} |e| in [rad]
  */
 function errorOf({time, columns}, joint) {
   const shown = (joint ? [joint] : JOINTS).map((one) => (
     /** @type {Float32Array} */ (columns.get(`e${one}`))
   ));
   return Float64Array.from(time, (_, at) => (
-    MRAD * Math.max(...shown.map((column) => Math.abs(column[at])))
+    Math.max(...shown.map((column) => Math.abs(column[at])))
   ));
 }
 
@@ -178,18 +177,18 @@ function errorOf({time, columns}, joint) {
 function figureOf(study, colors, curves, joint) {
   const bounds = boundsOf(study, joint);
   const known = curves.flatMap(({y}) => [...y].filter((value) => value > 0));
-  const top = Math.max(...known, ...bounds.map(({y}) => y), 1e-6);
+  const top = Math.max(...known, ...bounds.map(({y}) => y), 1e-9);
   const least = Math.max(Math.min(...known, top), top * DEEPEST);
   return {
     data: curves.map(({uid, name, color, dash, width, x, y}) => ({
       type: 'scatter', mode: 'lines', uid, name: plain(name), x, y, connectgaps: false,
-      line: {color, width, dash}, hovertemplate: '%{y:.3~g} mrad at %{x:.3f} s',
+      line: {color, width, dash}, hovertemplate: '%{y:.3~g} rad at %{x:.3f} s',
     })),
     layout: {
       uirevision: `${study.id}`,
       xaxis: axis(colors, {title: 't [s]', range: [0, study.experiment.simulation.horizon]}),
       yaxis: axis(colors, {
-        title: '|e| [mrad]', type: 'log', nticks: 5,
+        title: '|e| [rad]', type: 'log', nticks: 5,
         range: [Math.log10(least) - 0.1, Math.log10(top) + 0.15],
       }),
       shapes: bounds.map(({from, to, y, hard}) => ({
@@ -212,6 +211,6 @@ function boundsOf({experiment}, joint) {
   return Object.values(experiment.goals).filter((goal) => (
     goal.channel === 'e' && (!goal.joint || !joint || goal.joint === joint)
   )).map(({start = 0, end = horizon, bound, priority}) => ({
-    from: start, to: Math.min(end, horizon), hard: priority === 'hard', y: bound * MRAD,
+    from: start, to: Math.min(end, horizon), hard: priority === 'hard', y: bound,
   })).filter(({from, to}) => from < to);
 }

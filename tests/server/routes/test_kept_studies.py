@@ -274,6 +274,14 @@ def test_so_many_studies_are_kept_and_no_more(
     assert count <= limits.MAX_KEPT_STUDIES
 
 
+def test_what_is_no_number_is_no_study(served: Served) -> None:
+    for method, rest in (("delete", "kinds"), ("get", "accept"), ("get", "strip")):
+        answer = getattr(served.http, method)(f"/api/studies/{rest}")
+        assert answer.status_code == 405
+    assert served.http.get("/api/studies/none").status_code == 404
+    assert served.http.get(f"/api/studies/{10**30}").status_code == 422
+
+
 def test_kinds_are_described(served: Served) -> None:
     told = served.http.get("/api/studies/kinds").json()
     assert set(told) == {"tune", "robustness", "worst", "sweep"}
