@@ -142,6 +142,8 @@ def fit(experiment: Experiment, fitting: Fitting, executor: Executor) -> Iterato
             if not first:
                 values[0] = present
             patches = [_patch(experiment, one) for one in values]
+            if not first:
+                patches[0] = {}  # of six numbers, present only tells the first
             tasks = [executor.submit(figures_of, experiment, one, fitting) for one in patches]
             try:
                 found = [task.result() for task in tasks]

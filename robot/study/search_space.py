@@ -32,7 +32,7 @@ class Dimension:
         low: least value.
         high: greatest value.
         logarithmic: whether it is searched on a logarithmic scale.
-        present: its present value, held within the range.
+        present: its present value, which may lie outside of the range.
     """
 
     name: str
@@ -42,6 +42,11 @@ class Dimension:
     high: float
     logarithmic: bool
     present: float
+
+    @property
+    def begin(self) -> float:
+        """The present value, held within the range: where a search begins."""
+        return min(max(self.present, self.low), self.high)
 
     def rounded(self, value: float) -> float:
         """Return a value of four digits within the range; the present one stays as it is."""
@@ -132,8 +137,7 @@ def _dimensions(knob: Knob, wanted: GainRange) -> list[Dimension]:
     each = np.broadcast_to(np.asarray(knob.value, dtype=float), JOINTS)
 
     def dimension(name: str, joint: int, present: float) -> Dimension:
-        held = float(np.clip(present, wanted.low, wanted.high))
-        return Dimension(name, knob, joint, wanted.low, wanted.high, logarithmic, held)
+        return Dimension(name, knob, joint, wanted.low, wanted.high, logarithmic, present)
 
     if wanted.joints == "alike":
         return [dimension(knob.field, 0, float(max(each, key=abs)))]

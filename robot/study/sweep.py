@@ -132,6 +132,13 @@ def sweep(
     for one in axes:
         for end in (one.values[0], one.values[-1]):
             experiment.patched(_patch(experiment, lane, one.field, end))
+    if len(axes) == 2:
+        (first_low, first_high), second = (axes[0].values[0], axes[0].values[-1]), axes[1].values[0]
+        low, high = (
+            combination(experiment, lane, names, (one, second)) for one in (first_low, first_high)
+        )
+        if low == high:
+            raise _refusal(names[1], f"{names[1]} sets what {names[0]} sets: it is swept twice")
     combinations = list(product(*(one.values for one in axes)))
     patches = [combination(experiment, lane, names, values) for values in combinations]
     alone = only_lane(experiment, lane)
@@ -173,8 +180,21 @@ def combination(
     """
     whole: dict[str, Any] = {}
     for name, value in zip(names, values, strict=True):
-        merge(whole, _patch(experiment, lane, name, value))
+        one = _patch(experiment, lane, name, value)
+        if _meet(whole, one):
+            # Two joints of the same field share one list.
+            one = _patch(experiment.patched(whole), lane, name, value)
+        merge(whole, one)
     return whole
+
+
+def _meet(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Tell whether two merge patches set the same field."""
+    for key in one.keys() & other.keys():
+        inner = one[key], other[key]
+        if not all(isinstance(value, dict) for value in inner) or _meet(*inner):
+            return True
+    return False
 
 
 def _patch(experiment: Experiment, lane: str, name: str, value: float) -> dict[str, Any]:
@@ -186,4 +206,6 @@ def _patch(experiment: Experiment, lane: str, name: str, value: float) -> dict[s
             known = ", ".join(one.field for one in knobs(experiment, lane))
             raise _refusal(name, f"{lane} has no gain {name} to sweep; it has: {known}")
         return found.patch(found.at_all(value))
+    if parts[0] == "lanes" and parts[1] != lane:
+        raise _refusal(name, f"only {lane} is run here, not {parts[1]}: sweep one of its own gains")
     return number_patch(experiment, name, value)

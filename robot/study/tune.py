@@ -11,6 +11,7 @@ from concurrent.futures import Executor, Future
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import numpy as np
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
 
@@ -93,11 +94,16 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
         if trial.outcome.kept and not trial.beaten
     ]
     known = [(trial, ratios) for trial, ratios in able if None not in ratios]
-
-    def beats(one: Sequence[Any], other: Sequence[Any]) -> bool:
-        return all(a <= b for a, b in zip(one, other, strict=True)) and list(one) != list(other)
-
-    return [trial for trial, ratios in known if not any(beats(other, ratios) for _, other in known)]
+    table = np.array([ratios for _, ratios in known], dtype=float).reshape(len(known), len(goals)).T
+    # Whoever beats another comes before it in this order: only the front so far needs a look.
+    front, unbeaten = np.empty_like(table), list[int]()
+    for place in np.lexsort(table[::-1]).tolist():
+        own, others = table[:, place : place + 1], front[:, : len(unbeaten)]
+        no_worse = np.all(others <= own, axis=0)
+        if not np.any(no_worse & np.any(others < own, axis=0)):
+            front[:, len(unbeaten)] = own[:, 0]
+            unbeaten.append(place)
+    return [known[place][0] for place in sorted(unbeaten)]
 
 
 class _Search:
@@ -116,7 +122,7 @@ class _Search:
             directions=["minimize"] * (len(self._soft) if self._several else 1),
             sampler=sampler(tuning.sampler, tuning.seed),
         )
-        self._study.enqueue_trial({one.name: one.present for one in space})
+        self._study.enqueue_trial({one.name: one.begin for one in space})
         self._range: dict[str, BaseDistribution] = {
             one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in space
         }
@@ -131,6 +137,8 @@ class _Search:
                 {one.name: one.rounded(trial.params[one.name]) for one in self._space}
                 for trial in asked
             ]
+            if not first:  # the lane as it is, even where that lies outside of the ranges
+                values[0] = {one.name: one.present for one in self._space}
             batch = self._batch(first, values, stored)
             for trial, made in zip(asked, batch, strict=True):
                 self._tell(trial, made)

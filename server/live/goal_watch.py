@@ -43,7 +43,7 @@ class GoalWatch:
     Attributes:
         lane: its name.
         gains: what it has now; whoever changes them ends the watch.
-        goals: the hard ones that can be watched, by name.
+        goals: the hard ones that can be watched, by name; who changes one takes it out.
         horizon: length of a whole run in [s].
         revision: the experiment's, from which on it counts.
         epoch: of the session; a reset ends the watch.
@@ -83,7 +83,8 @@ class GoalWatch:
         """
         if self.decided or present[0] < self.revision:
             return
-        lane, gains = loop.lanes.get(self.lane), loop.packed.experiment.lanes.get(self.lane)
+        experiment = loop.packed.experiment
+        lane, gains = loop.lanes.get(self.lane), experiment.lanes.get(self.lane)
         if lane is None or present[1] != self.epoch or gains != self.gains:
             self.decided = True
             return
@@ -96,6 +97,8 @@ class GoalWatch:
             self._fails(lane.freeze.cause)
             return
         for goal_name, goal in self.goals.items():
+            if experiment.goals.get(goal_name) != goal:
+                continue
             if said := self._judged(goal_name, goal, rows, columns, loop, time, over):
                 self._fails(said)
                 return

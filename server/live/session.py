@@ -70,7 +70,7 @@ class Session:
         revision: revision of the experiment in force.
         epoch: counts resets and loaded experiments.
         playing: whether time goes on.
-        watch: looks whether a lane keeps its goals, while there is one that should.
+        watches: by lane, whether it keeps its goals; another thread may add one.
         on_change: called on this thread when ``state`` has changed.
         on_swap: called on this thread when the first rows under an edit have been written.
         on_notice: called on this thread with a sentence for the people at the screens.
@@ -94,7 +94,7 @@ class Session:
         self.on_change: Callable[[], None] = lambda: None
         self.on_swap: Callable[[], None] = lambda: None
         self.on_notice: Callable[[str], None] = lambda _: None
-        self.watch: GoalWatch | None = None
+        self.watches: dict[str, GoalWatch] = {}
         self.recorder = Recorder()
         self._roughness = Roughness()
         self._push = Push()
@@ -329,8 +329,8 @@ class Session:
         self._roughness.look(loop)
         self.telemetry.write(rows, time, loop.period, self.revision)
         self.figures.add(rows, loop, time)
-        if self.watch is not None:
-            self.watch.look(rows, self.telemetry.columns, loop, (self.revision, self.epoch), time)
+        for watch in tuple(self.watches.values()):
+            watch.look(rows, self.telemetry.columns, loop, (self.revision, self.epoch), time)
         if self.view is not None:
             self.view.add(rows, loop.period)
         if self._swapped:

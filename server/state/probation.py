@@ -26,11 +26,14 @@ class Probation:
         """Say whose experiment is changed, and which session is watched."""
         self._document = document
         self._session = session
+        self._former: dict[str, Experiment] = {}
 
     def accept(
         self, lane: str, patch: Mapping[str, Any], author: str
     ) -> tuple[Change, list[str], list[str]]:
         """Change the gains of a lane, and watch it for ten seconds of simulated time.
+
+        Where its present gains are on probation themselves, it goes back to those before them.
 
         Args:
             lane: the lane.
@@ -54,14 +57,18 @@ class Probation:
         change = self._document.patch(patch, author)
         hard = {name: g for name, g in change.experiment.goals.items() if g.priority == "hard"}
         watched = {name: goal for name, goal in hard.items() if can_watch(goal)}
-        self._session.watch = GoalWatch(
+        earlier = self._session.watches.get(lane)
+        if earlier is None or earlier.decided or earlier.gains != before.lanes[lane]:
+            self._former[lane] = before
+        former = self._former[lane]
+        self._session.watches[lane] = GoalWatch(
             lane,
             change.experiment.lanes[lane],
             watched,
             change.experiment.simulation.horizon,
             change.revision,
             self._session.epoch,
-            lambda said: self._failed(lane, before, change.experiment, said),
+            lambda said: self._failed(lane, former, change.experiment, said),
         )
         return change, list(watched), [name for name in hard if name not in watched]
 
@@ -71,8 +78,11 @@ class Probation:
         Thread(target=task[0], args=task[1], name="slidetune-probation", daemon=True).start()
 
     def _go_back(self, lane: str, before: Experiment, after: Experiment, said: str) -> None:
+        if self._document.experiment.lanes.get(lane) != after.lanes[lane]:
+            return  # somebody has changed its gains since: they are theirs
         former, present = ({"lanes": {lane: e.document()["lanes"][lane]}} for e in (before, after))
-        stood_still = self._session.loop.lanes[lane].freeze is not None
+        stood = self._session.loop.lanes.get(lane)
+        stood_still = stood is not None and stood.freeze is not None
         try:
             self._document.patch(difference(present, former), AUTHOR)
             if stood_still:

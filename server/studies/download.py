@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from arro3.core import Array, DataType, Field, Schema, Table
 from arro3.io import write_parquet
 from ruamel.yaml import YAML
+from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.plain_yaml import is_plain_text
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.study.results import result_of, table_of
@@ -106,8 +108,19 @@ def _document(study: Study, title: str, entries: Sequence[Entry]) -> bytes:
     yaml = YAML()
     yaml.default_flow_style = None
     text = io.BytesIO()
-    yaml.dump(document, text)
+    yaml.dump(_quoted(document), text)
     return text.getvalue()
+
+
+def _quoted(value: Any) -> Any:
+    """Return plain values with quotes around every text that would be read as something else."""
+    if isinstance(value, dict):
+        return {_quoted(key): _quoted(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_quoted(item) for item in value]
+    if isinstance(value, str) and not is_plain_text(value):
+        return DoubleQuotedScalarString(value)
+    return value
 
 
 def _preset(study: Study, entries: Sequence[Entry], number: int | None) -> bytes:

@@ -137,7 +137,8 @@ class StudyRunner:
             try:
                 ran = self._next()
             except Exception:
-                log.exception("the studies can't be looked through")
+                # Where not even a study's end can be kept it is not begun again at once.
+                log.exception("the studies can't be read or kept")
                 ran = False
             if not ran:
                 self._wake.wait(LOOK)
@@ -170,10 +171,7 @@ class StudyRunner:
         finally:
             with self._lock:
                 self._pace = None
-        try:
-            self.store.change_state(number, UNDER_WAY, state, message)
-        except SlidetuneError:
-            log.exception("study %s: its end can't be kept", number)
+        self.store.change_state(number, UNDER_WAY, state, message)
 
     def _finish(self, record: Record) -> tuple[State, str]:
         """Run a study to its end; return how it ended."""

@@ -94,6 +94,16 @@ def test_what_can_not_be_fitted_is_refused_before_anything_runs(
     assert path in [field.path for field in caught.value.fields]
 
 
+def test_the_first_trial_is_the_experiment_as_it_is_even_where_all_six_numbers_are_fitted() -> None:
+    experiment = short().patched({"disturbance": {"constant": [-5.0, -30.0, -20.0, 0, 0, 0]}})
+    error = simulate(experiment, estimate=False).lanes["NFTSM"].metrics.mae[1]
+    targets = [{"lane": "NFTSM", "figure": "mae", "joint": 2, "value": float(error)}]
+    told = {"fields": {"disturbance.constant": RANGE}, "targets": targets, "trials": 2}
+    first = made(experiment, Fitting.model_validate(told))[0]
+    assert experiment.patched(first.patch) == experiment
+    assert first.deviation == pytest.approx(0.0)
+
+
 def test_a_number_of_one_joint_is_set_alone() -> None:
     experiment = short()
     patched = experiment.patched(number_patch(experiment, "disturbance.constant[3]", 4.0))

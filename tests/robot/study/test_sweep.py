@@ -12,7 +12,7 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.study.outcome import outcome
-from slidetune.robot.study.sweep import Axis, axis, sweep
+from slidetune.robot.study.sweep import Axis, axis, combination, sweep
 
 LANE = "RBFNN-NFTSM"
 
@@ -43,8 +43,37 @@ def test_every_combination_is_run_in_order_with_the_last_axis_the_fastest() -> N
 
 
 @pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (
+            ("disturbance.constant[1]", "disturbance.constant[2]"),
+            {"disturbance": {"constant": [1.0, 2.0, 0.5, 0.5, 0.5, 0.5]}},
+        ),
+        (("k1", f"lanes.{LANE}.k1[2]"), {"lanes": {LANE: {"k1": [1.0, 2.0, 1.0, 1.0, 1.0, 1.0]}}}),
+        (
+            ("disturbance.constant", "disturbance.sine.frequency"),
+            {"disturbance": {"constant": 1.0, "sine": {"frequency": 2.0}}},
+        ),
+    ],
+)
+def test_both_axes_count_even_where_they_set_the_same_list(
+    names: tuple[str, str], found: dict[str, Any]
+) -> None:
+    experiment = short({"disturbance": {"constant": 0.5}, "lanes": {LANE: {"k1": 5.0}}})
+    both = experiment.patched(combination(experiment, LANE, names, (1.0, 2.0)))
+    assert both == experiment.patched(found)
+
+
+@pytest.mark.parametrize(
     ("axes", "path", "words"),
     [
+        ([Axis("lanes.NFTSM.nu", (1.0, 2.0))], "lanes.NFTSM.nu", f"only {LANE} is run here"),
+        (
+            [Axis("nu", (1.0, 2.0)), Axis(f"lanes.{LANE}.nu", (1.0, 2.0))],
+            f"lanes.{LANE}.nu",
+            "twice",
+        ),
+        ([Axis("robot.lag[1]", (0.0, 0.01)), Axis("robot.lag", (0.0, 0.01))], "robot.lag", "twice"),
         ([Axis("mass", (1.0, 2.0))], "mass", "no gain mass"),
         ([Axis("robot.mass", (1.0, 2.0))], "robot.mass", "no number stands"),
         ([Axis("robot.payload", (1.0, 2.0))], "robot.payload", "no number to set"),

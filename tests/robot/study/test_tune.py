@@ -16,7 +16,7 @@ from slidetune.robot.loop.verdict import judge_goals
 from slidetune.robot.study.judgement import counting, is_beaten, judged
 from slidetune.robot.study.outcome import FAILED, Outcome, cost_of, outcome, outcomes
 from slidetune.robot.study.search_space import patch_of, search_space
-from slidetune.robot.study.tune import best_of, pareto_front, tune
+from slidetune.robot.study.tune import Trial, best_of, pareto_front, tune
 from slidetune.robot.study.tuning import Tuning
 
 LANE = "RBFNN-NFTSM"
@@ -99,6 +99,22 @@ def test_known_trials_are_not_run_again_and_the_rest_are_as_without_them() -> No
             rest = list(tune(short(), tuning(trials=30), counting_pool, whole[:19]))
     assert rest == whole[19:]
     assert len(ran) == 11
+
+
+@pytest.mark.parametrize("joints", ["alike", "each"])
+def test_gains_outside_of_their_range_are_run_as_they_are_and_no_trial_after_them_is(
+    joints: str,
+) -> None:
+    experiment = short({"simulation": {"horizon": 0.2}, "lanes": {LANE: {"k1": 150.0}}})
+    wanted = tuning(trials=24, gains={"k1": {"low": 600.0, "high": 601.0, "joints": joints}})
+    with ThreadPoolExecutor(2) as pool:
+        first, *others = tune(experiment, wanted, pool)
+    assert set(first.values.values()) == {150.0}
+    assert first.outcome == outcome(experiment, LANE)
+    for trial in others:
+        values = np.ravel(trial.patch["lanes"][LANE]["k1"])
+        assert set(values.tolist()) == set(trial.values.values())
+        assert np.all((values >= 600.0) & (values <= 601.0))
 
 
 def test_who_has_seen_enough_stops_asking() -> None:
@@ -202,6 +218,29 @@ def test_several_goals_have_a_front_that_nothing_beats() -> None:
             if other.outcome.kept:
                 mine, theirs = ([t.outcome.ratios[name] for name in names] for t in (one, other))
                 assert mine == theirs or any(a < b for a, b in zip(mine, theirs, strict=True))  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("goals", ["ab", "abc"])
+@pytest.mark.parametrize("digits", [1, 15])
+def test_the_front_is_what_no_other_beats_in_every_goal(goals: str, digits: int) -> None:
+    table = np.random.default_rng(digits).random((200, len(goals))).round(digits)
+    trials = [
+        Trial(
+            number,
+            {},
+            {},
+            Outcome(0.5, 1.0, True, dict(zip(goals, map(float, row), strict=True)), {}),
+            {},
+        )
+        for number, row in enumerate(table)
+    ]
+    unbeaten = [
+        number
+        for number, row in enumerate(table)
+        if not any(np.all(other <= row) and np.any(other < row) for other in table)
+    ]
+    assert [one.number for one in pareto_front(trials, list(goals))] == unbeaten
+    assert pareto_front([], list(goals)) == []
 
 
 def test_a_run_that_diverges_costs_more_the_sooner_it_ends() -> None:

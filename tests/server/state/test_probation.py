@@ -60,6 +60,25 @@ def gains(served: Served) -> dict[str, Any]:
     return dict(served.http.get("/api/experiment").json()["experiment"]["lanes"][LANE])
 
 
+def decided(served: Served) -> None:
+    watch = served.app_state.session.watches[LANE]
+    end = time.monotonic() + LONG
+    while not watch.decided and time.monotonic() < end:
+        time.sleep(0.02)
+    assert watch.decided
+
+
+@contextmanager
+def paused(served: Served) -> Iterator[None]:
+    served.http.post("/api/session/pause").raise_for_status()
+    end = time.monotonic() + LONG
+    while served.http.get("/api/session").json()["playing"]:
+        assert time.monotonic() < end, "the session goes on"
+        time.sleep(0.02)
+    yield
+    served.http.post("/api/session/play").raise_for_status()
+
+
 def near(bound: float, **more: Any) -> dict[str, Any]:
     return {"kind": "response", "channel": "e", "bound": bound, "priority": "hard", **more}
 
@@ -69,10 +88,7 @@ def test_gains_that_hold_stay(served: Served) -> None:
     reach(served, 2.0)
     made = accept(served, k2=[200.0] * 6)
     assert made["watched"] == ["near"]
-    watch = served.app_state.session.watch
-    end = time.monotonic() + LONG
-    while watch is not None and not watch.decided and time.monotonic() < end:
-        time.sleep(0.02)
+    decided(served)
     assert gains(served)["k2"] == 200.0 or gains(served)["k2"] == [200.0] * 6
     edits = served.http.get("/api/history").json()["edits"]
     assert edits[-1]["author"] == "me"
@@ -90,6 +106,44 @@ def test_gains_that_leave_a_hard_goal_go_back_and_say_why(served: Served) -> Non
     assert "0.02 rad is allowed" in said
     assert gains(served) == before
     assert served.http.get("/api/history").json()["edits"][-1]["author"] == "probation"
+
+
+def test_gains_after_gains_on_probation_go_back_to_those_before_both(served: Served) -> None:
+    prepare(served, {"near": near(0.02)})
+    reach(served, 3.0)
+    before = gains(served)
+    with listening(served) as socket:
+        with paused(served):
+            accept(served, k1=1.0, k2=0.1)
+            accept(served, k1=1.1)
+        assert notice(socket).startswith(f"{LANE} went back to its former gains")
+    assert gains(served) == before
+
+
+def test_each_lane_has_its_own_probation(served: Served) -> None:
+    other = "RBFNN-SMC"
+    prepare(served, {"near": near(0.02)})
+    reach(served, 3.0)
+    before = gains(served)
+    with listening(served) as socket:
+        with paused(served):
+            accept(served, k1=1.0, k2=0.1)
+            lanes = served.http.get("/api/experiment").json()["experiment"]["lanes"]
+            body = {"lane": other, "patch": {"lanes": {other: lanes[other]}}}
+            served.http.post("/api/studies/accept", json=body).raise_for_status()
+        while not notice(socket).startswith(f"{LANE} went back"):
+            pass
+    assert gains(served) == before
+
+
+def test_a_goal_that_was_taken_out_meanwhile_is_not_watched(served: Served) -> None:
+    prepare(served, {"near": near(0.02)})
+    reach(served, 3.0)
+    with paused(served):
+        accept(served, k1=1.0, k2=0.1)
+        served.http.patch("/api/experiment", json={"goals": {"near": None}}).raise_for_status()
+    decided(served)
+    assert gains(served)["k1"] in (1.0, [1.0] * 6)
 
 
 def test_a_lane_that_diverges_goes_back_and_runs_again(served: Served) -> None:
@@ -134,10 +188,7 @@ def test_what_the_old_gains_left_is_not_blamed_on_the_new_ones(served: Served) -
     served.http.patch("/api/experiment", json={"simulation": {"initial_error": 0.3}})
     served.http.post("/api/session/reset").raise_for_status()
     accept(served, nu=2.0)
-    watch = served.app_state.session.watch
-    end = time.monotonic() + LONG
-    while watch is not None and not watch.decided and time.monotonic() < end:
-        time.sleep(0.02)
+    decided(served)
     assert gains(served)["nu"] == 2.0
 
 
@@ -146,13 +197,9 @@ def test_whoever_changes_the_lane_ends_the_watch(served: Served) -> None:
     reach(served, 1.0)
     served.http.post("/api/session/pause").raise_for_status()
     accept(served, k1=1.0, k2=0.1)
-    watch = served.app_state.session.watch
-    assert watch is not None
     served.http.patch("/api/experiment", json={"lanes": {LANE: {"k1": 2.0}}}).raise_for_status()
     served.http.post("/api/session/play").raise_for_status()
-    end = time.monotonic() + LONG
-    while not watch.decided and time.monotonic() < end:
-        time.sleep(0.02)
+    decided(served)
     assert gains(served)["k1"] == 2.0
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +112,24 @@ def test_a_study_that_fails_says_why_and_the_next_one_runs(tmp_path: Path) -> No
     state, message, _ = server.store.progress(bad)
     assert state == "failed"
     assert "lanes.A.law" in message
+    server.close()
+
+
+def test_a_study_whose_end_can_not_be_kept_is_not_begun_again_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("slidetune.server.studies.runner.LOOK", 0.5)
+    server = runner(tmp_path)
+    number = server.begin(study(trials=8))
+    with server.store._file() as file:  # as on a full disk: it can be read, not written
+        file.execute("PRAGMA query_only = ON")
+    server.start()
+    until(lambda: len(caplog.records) >= 4)
+    moments = [record.created for record in caplog.records]
+    assert all(later - sooner > 0.4 for sooner, later in pairwise(moments))
+    with server.store._file() as file:
+        file.execute("PRAGMA query_only = OFF")
+    until(lambda: server.store.progress(number)[0] in ("done", "failed"))
     server.close()
 
 
