@@ -28,6 +28,10 @@ from slidetune.robot.study.tuning import MOST_TRIALS
 
 Array = np.ndarray
 
+FITTED = tuple(
+    name for name, one in FIGURES.items() if one.source == "run" and name != "diverged_at"
+)
+"""Figures that can be fitted: those of runs that come to their end."""
 UNMET = 10.0
 """Deviation that counts for a figure which a run can't tell, in powers of e (*ours*)."""
 
@@ -225,12 +229,11 @@ def _check(experiment: Experiment, fitting: Fitting) -> None:
             known = ", ".join(experiment.lanes)
             text = f"no lane is named {one.lane}; there are: {known}"
             refused.append(FieldError(f"{path}.lane", text, one.lane))
-        figure = FIGURES.get(one.figure)
-        if figure is None or figure.source != "run":
-            known = ", ".join(name for name, f in FIGURES.items() if f.source == "run")
+        if one.figure not in FITTED:
+            known = ", ".join(FITTED)
             text = f"{one.figure} is no figure of a run; there are: {known}"
             refused.append(FieldError(f"{path}.figure", text, one.figure))
-        elif one.joint and not figure.per_joint:
+        elif one.joint and not FIGURES[one.figure].per_joint:
             text = f"joint must be 0, got {one.joint}: {one.figure} is one number"
             refused.append(FieldError(f"{path}.joint", text, one.joint))
     if refused:

@@ -22,7 +22,7 @@ FEWEST = 24
 def importance(
     experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]
 ) -> dict[str, float] | None:
-    """Return each searched number's share, the greatest first; ``None`` of too few trials.
+    """Return each searched number's share, the greatest first; ``None`` where nobody can tell.
 
     Args:
         experiment: of the search.
@@ -34,7 +34,8 @@ def importance(
         compares where the best tenth of the trials lie with where all lie.
     """
     space = search_space(experiment, tuning)
-    if len(trials) < FEWEST or len(space) < 2:
+    costs = {one.outcome.cost for one in trials}
+    if len(trials) < FEWEST or len(space) < 2 or len(costs) < 2:
         return None
     ranges: dict[str, BaseDistribution] = {
         one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in space

@@ -241,7 +241,12 @@ class StudyStore:
                     yield file
             except (sqlite3.Error, OSError) as error:
                 text = f"can't use the studies' file {self._path}: {error}"
-                way_out = f"free some space, allow writing there, or set {FOLDER_VARIABLE}"
+                damaged = type(error) is sqlite3.DatabaseError
+                way_out = (
+                    "it is damaged or no database: move it away to begin with a new one"
+                    if damaged
+                    else f"free some space, allow writing there, or set {FOLDER_VARIABLE}"
+                )
                 raise StudyStorageError(f"{text}; {way_out}") from error
 
     def _open(self, create: bool) -> sqlite3.Connection:

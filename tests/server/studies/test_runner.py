@@ -15,7 +15,7 @@ from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.study.study import Study
 from slidetune.server.compute.executor import LocalExecutor, local_executor
 from slidetune.server.studies.runner import StudyRunner
-from slidetune.server.studies.store import StudyStore, UnknownStudyError
+from slidetune.server.studies.store import StudyStorageError, StudyStore, UnknownStudyError
 
 LANE = "NFTSM"
 
@@ -148,6 +148,13 @@ def test_an_entry_that_is_there_already_stays(tmp_path: Path) -> None:
     with pytest.raises(UnknownStudyError):
         store.progress(number)
     store.close()
+
+
+def test_a_file_that_is_no_database_is_said_to_be_none(tmp_path: Path) -> None:
+    (tmp_path / "studies.sqlite").write_text("this is no database " * 100)
+    store = StudyStore(tmp_path)
+    with pytest.raises(StudyStorageError, match="move it away"):
+        store.all()
 
 
 def test_nothing_is_written_before_the_first_study(tmp_path: Path) -> None:
