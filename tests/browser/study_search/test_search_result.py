@@ -100,7 +100,7 @@ def test_with_draws_the_table_says_how_they_fared(page: Page, dashboard: Dashboa
     mounted(page, dashboard, study)
     best = study["result"]["best"]
     table = {row[0]: row[1:] for row in rows(page)}
-    assert table["met"][1] == str(best["draws"]["draws"])
+    assert table["run"][1] == str(best["draws"]["draws"])
     assert table["kept the hard goals"][1] == f"{100 * best['draws']['kept']:.0f} %"
     expect(part(page).locator("caption")).to_contain_text("95 % of the draws")
 
@@ -117,7 +117,7 @@ def test_keys_move_from_trial_to_trial_and_each_response_is_shown(
     expect(slider).to_have_attribute("aria-valuetext", f"{words(study, 2)}")
     expect(part(page).locator(".search-preview .search-note")).to_contain_text("Trial 2")
     expect(part(page).locator(".search-preview .lens-graph")).to_have_attribute(
-        "aria-label", "|e| of the worst joint over the horizon: present gains and trial 2"
+        "aria-label", "|e| of the worst joint over the horizon: gains before and trial 2"
     )
     plot = "document.querySelector('.harness .search-preview .js-plotly-plot')"
     page.wait_for_function(f"{plot}?.data.length === 2")
