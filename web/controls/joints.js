@@ -167,5 +167,6 @@ function at(value, index, field) {
 
 /** @param {number[]} values */
 function shortened(values) {
-  return values.map((value) => written(Number(value.toPrecision(3)))).join('  ');
+  const texts = values.map((value) => written(Number(value.toPrecision(3))));
+  return texts.join(PARTS[values.length] === 'end' ? ' to ' : '  ');
 }

@@ -11,7 +11,7 @@ import {GoalRow, chip} from './row.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 
-const HINT = 'A goal bounds a response or a figure. hard ones must hold; of the soft ones the worst is '
+const HINT = 'A goal bounds a response or a figure. Hard ones must hold; of the soft ones the worst is '
   + 'what a search makes small. Each is shown as a ratio to its bound: 1 is just met.';
 
 /** A group of the left column. */

@@ -24,7 +24,8 @@ import {nameOf, progressWords, stateWords, whenOf} from './words.js';
 /** @typedef {import('../api/studies.js').Study} Study */
 /** @typedef {import('../api/studies.js').Entry} Entry */
 /** @typedef {import('../page/right_panel.js').Desk} Desk */
-/** @typedef {{element: HTMLElement, update: (study: Study, entries: Entry[]) => void}} Result */
+/** @typedef {{element: HTMLElement, update: (study: Study, entries: Entry[]) => void,
+ *   close?: () => void}} Result */
 
 /** @type {{[kind: string]: new (api: Api, desk: Desk) => Result}} What shows a study of a kind. */
 const RESULTS = {
@@ -105,6 +106,7 @@ export class OpenStudy {
   close() {
     this.#listening.abort();
     this.#feed.close();
+    this.#result?.close?.();
   }
 
   /** The server is there again. */
@@ -126,7 +128,7 @@ export class OpenStudy {
     const {state, made, total, result} = summary;
     const best = result?.best?.outcome.score;
     const words = [progressWords(summary),
-      typeof best === 'number' && `best so far ${threeDigits(best)} (largest ratio)`];
+      typeof best === 'number' && `best score ${threeDigits(best)}`];
     this.#state.textContent = state;
     this.#state.dataset.state = state;
     this.#bar.max = total;

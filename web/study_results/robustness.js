@@ -89,8 +89,8 @@ export class RobustnessResult {
     const hard = Object.values(experiment.goals ?? {}).some(({priority}) => priority === 'hard');
     this.#held.facts = [
       {name: 'draws', value: String(count)},
-      {name: 'left their bounds', value: percent(diverged)},
-      ...(hard ? [{name: 'kept the hard goals', value: percent(kept)}] : []),
+      {name: 'left their bounds', value: count ? percent(diverged) : '–'},
+      ...(hard ? [{name: 'kept the hard goals', value: count ? percent(kept) : '–'}] : []),
     ];
     this.#bands.finding = this.#gone
       ? `${this.#gone} of ${count} draws left their bounds: a band ends where such a draw would count.` : '';

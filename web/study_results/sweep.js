@@ -32,8 +32,8 @@ const FIGURE_MEASURES = STUDIED.map((figure) => ({
 }));
 /** @type {Measure} */
 const SCORE = {
-  id: 'score', title: 'largest ratio of the goals', value: ({score}) => score,
-  words: ({score}) => `largest ratio ${threeDigits(score)}`,
+  id: 'score', title: 'score', value: ({score}) => score,
+  words: ({score}) => `score ${threeDigits(score)}`,
 };
 
 /** Shows points of a sweep. */

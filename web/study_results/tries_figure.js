@@ -43,7 +43,7 @@ export function triesFigure(colors, draws, color) {
     ],
     layout: {
       xaxis: axis(colors, {title: 'try', rangemode: 'tozero'}),
-      yaxis: axis(colors, {title: 'largest ratio', rangemode: 'tozero'}),
+      yaxis: axis(colors, {title: 'score', rangemode: 'tozero'}),
       yaxis2: {overlaying: 'y', range: [0, 1], visible: false, fixedrange: true},
       shapes: [{
         type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1,

@@ -108,7 +108,7 @@ export class WorstResult {
     const failure = failureOf(outcome);
     this.#found.facts = [
       {name: 'try', value: String(index + 1)},
-      ...(failure ? [] : [{name: 'largest ratio', value: threeDigits(outcome.score)}]),
+      ...(failure ? [] : [{name: 'score', value: threeDigits(outcome.score)}]),
       ...(failure ? [] : [{name: 'hard goals', value: outcome.kept ? 'kept' : 'missed'}]),
     ];
     this.#found.finding = failure ? `There it ${failure}.` : '';

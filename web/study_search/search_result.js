@@ -27,7 +27,9 @@ const TABS = /** @type {{id: Tab, title: string}[]} */ ([
   {id: 'parallel', title: 'Gains and score'},
   {id: 'importance', title: 'Importance'},
 ]);
-const NONE_YET = 'The first trial is on its way.';
+
+/** So many trials are made at once, and told together: as the server's search asks for them. */
+const BATCH = 8;
 
 /** The result of one search after another; `update` says which. */
 export class SearchResult {
@@ -54,7 +56,7 @@ export class SearchResult {
     on: {click: () => this.#chooses(null)},
   }, 'Best so far');
   #words = element('p', {class: 'search-words', role: 'status'});
-  #empty = element('p', {class: 'search-empty'}, NONE_YET);
+  #empty = element('p', {class: 'search-empty'});
   #content;
   #pictures;
   /** @type {Study|null} */ #study = null;
@@ -113,11 +115,15 @@ export class SearchResult {
       this.#preview.begin(study);
     }
     this.#empty.hidden = entries.length > 0;
+    this.#empty.textContent = noneYet(study);
     this.#content.hidden = !entries.length;
     this.#slider.max = String(Math.max(entries.length - 1, 0));
     this.#draw();
     this.#look();
   }
+
+  /** The study is left. */
+  close() { this.#actions.close(); }
 
   /** @returns {number|null} the trial that is spoken of: the chosen one, or else the best so far */
   get #kept() { return this.#chosen ?? (this.#best < 0 ? null : this.#best); }
@@ -176,10 +182,11 @@ export class SearchResult {
     const known = /** @type {import('../trials/trials.js').Fate[]} */ (Object.keys(FATES));
     const marks = [
       ...known.filter((fate) => fates.has(fate)).map((fate) => [fate, FATES[fate]]),
-      ['present', 'present gains'], ['best', 'best so far'],
+      ['present', 'gains before'],
+      ['best', fates.has('missed') ? 'best so far, of those that keep the hard goals if any do' : 'best so far'],
       ...(front ? [['front', 'no other beats it in every soft goal']] : []),
     ];
-    const built = marks.map(([mark]) => mark).join();
+    const built = marks.join();
     if (this.#legend.dataset.built === built) return;
     this.#legend.dataset.built = built;
     this.#legend.replaceChildren(...marks.map(([mark, text]) => element('span', {},
@@ -208,7 +215,7 @@ export class SearchResult {
   /** @param {Trial} trial */
   #standing({number}) {
     return [
-      number === 0 ? 'the present gains' : '', number === this.#best ? 'the best so far' : '',
+      number === 0 ? 'the gains before' : '', number === this.#best ? 'the best so far' : '',
       number === this.#chosen ? 'chosen' : '',
     ].filter(Boolean).map((text) => `; ${text}`).join('');
   }
@@ -229,4 +236,14 @@ export class SearchResult {
     this.#draw();
     this.#look();
   }
+}
+
+/**
+ * @param {Study} study without a trial
+ * @returns {string} why nothing may be seen for a while
+ */
+function noneYet({total, wanted: {draws}}) {
+  const first = Math.min(total, BATCH);
+  const trials = first === 1 ? 'The only trial is' : `The first ${first} trials are`;
+  return `${trials} on the way${draws ? `, with up to ${draws} draws each` : ''}.`;
 }

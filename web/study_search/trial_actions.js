@@ -83,10 +83,13 @@ export class TrialActions {
     this.#trial = trial;
     if (!other) return;
     this.#explain('');
-    this.#title.textContent = trial.number ? `Trial ${trial.number}` : 'Present gains';
+    this.#title.textContent = trial.number ? `Trial ${trial.number}` : 'Gains before';
     this.#file.setAttribute('href', studyFile(study.id, 'preset', trial.number));
     this.#try(() => this.#comparison.begin(study.lane, laneOf(study, trial)));
   }
+
+  /** The study is left: its trial’s gains go with it, unless they were accepted. */
+  close() { this.#try(() => this.#comparison.reject()); }
 
   #show() {
     const study = this.#study;

@@ -1,5 +1,5 @@
 // @ts-check
-/** What a trial's response looks like beside the present gains': |e| over the horizon. */
+/** What a trial's response looks like beside the gains before: |e| over the horizon. */
 
 import {choice} from '../lenses/card.js';
 import {LensFigure, axis} from '../lenses/figure.js';
@@ -119,7 +119,7 @@ export class TrialPreview {
     const now = this.#known.get(trial.number);
     this.#say(isWatching() ? RUNS_ARE_THE_OWNERS : this.#failure || this.#told(trial, now));
     const curves = [
-      {uid: 'present', name: 'present gains', response: this.#known.get(0), dash: 'dot', width: 1.4},
+      {uid: 'present', name: 'gains before', response: this.#known.get(0), dash: 'dot', width: 1.4},
       ...(trial.number ? [{
         uid: 'trial', name: `trial ${trial.number}`, response: now, dash: 'solid', width: 1.6,
       }] : []),

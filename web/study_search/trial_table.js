@@ -1,5 +1,5 @@
 // @ts-check
-/** A trial against the present gains: goals, figures, gains, and what came of the draws. */
+/** A trial against the gains before: goals, figures, gains, and what came of the draws. */
 
 import {changeOf} from '../figures/change.js';
 import {element} from '../dom/element.js';
@@ -111,7 +111,7 @@ function drawRows(present, trial) {
   const none = /** @type {import('../figures/change.js').Change} */ ({kind: 'none', text: ''});
   const shares = /** @type {const} */ ([['diverged', 'diverged'], ['kept', 'kept the hard goals']]);
   return [
-    {name: 'met', before: valueText(present.draws.draws), after: valueText(trial.draws.draws),
+    {name: 'run', before: valueText(present.draws.draws), after: valueText(trial.draws.draws),
       change: none},
     ...shares.map(([key, name]) => ({
       name, before: percent(present.draws[key]), after: percent(trial.draws[key]), change: none,

@@ -24,7 +24,7 @@ function partsOf(names, lane, name) {
  */
 export function gainText(names, lane, name) {
   const {sign, title, joint} = partsOf(names, lane, name);
-  return `${sign || title}${joint}`;
+  return `${sign.replace('_', '') || title}${joint}`;
 }
 
 /**

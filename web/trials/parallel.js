@@ -42,6 +42,7 @@ export class Parallel {
   /** @type {Study|null} */ #study = null;
   /** @type {Trial[]} the worst first, so that the best is drawn above it */ #trials = [];
   #left = 0;
+  #kept = '';
   /** @type {ParallelAxis[]} the score first */ #axes = [];
   /** @type {Box|null} */ #box = null;
   /** @type {Map<string, Brush>} by the axis */ #brushes = new Map();
@@ -132,6 +133,7 @@ export class Parallel {
     const known = [...this.#strips.children].map((strip) => strip.getAttribute('data-axis')).join('\n');
     if (known !== shown.map(({id}) => id).join('\n')) {
       this.#strips.replaceChildren(...shown.map(({id, label}) => this.#strip(id, label)));
+      this.#tell();
     }
     shown.forEach((axis, at) => {
       const strip = /** @type {HTMLElement} */ (this.#strips.children[at]);
@@ -223,10 +225,18 @@ export class Parallel {
     }));
     this.within = brushed.length ? new Set(passing.map(({number}) => number)) : null;
     this.#clear.hidden = !brushed.length;
+    this.#tell(brushed.length ? `${passing.length} of ${this.#trials.length} trials pass.`
+      : 'Drag along an axis to keep only what passes there.');
+  }
+
+  /** @param {string} [kept] how many pass, or how to have fewer */
+  #tell(kept = this.#kept) {
+    this.#kept = kept;
+    const beyond = this.#axes.length - this.#strips.children.length;
+    const hidden = this.#strips.children.length && beyond > 0
+      ? ` No room for ${beyond} more ${beyond === 1 ? 'gain' : 'gains'}.` : '';
     const lost = this.#left ? ` ${this.#left} without a score are not drawn.` : '';
-    const text = brushed.length
-      ? `${passing.length} of ${this.#trials.length} trials pass.${lost}`
-      : `Drag along an axis to keep only what passes there.${lost}`;
+    const text = `${kept}${hidden}${lost}`;
     if (this.#words.textContent !== text) this.#words.textContent = text;
   }
 

@@ -27,7 +27,7 @@ def test_a_range_is_switched_on_with_what_is_usual_and_refuses_to_be_upside_down
     group.locator("summary").click()
     control = page.locator('.control[data-path="uncertainty.payload"]')
     control.get_by_role("switch").check()
-    expect(control.locator(".joint-values")).to_have_text("0 2")
+    expect(control.locator(".joint-values")).to_have_text("0 to 2")
     until(dashboard, [0, 2])
     control.locator("button[aria-expanded]").click()
     rows = control.locator(".joint-row")

@@ -134,7 +134,7 @@ def test_a_search_has_every_acting_gain_from_a_tenth_to_ten_times(
     told = study(dashboard, found["id"])
     assert list(told["wanted"]["gains"]) == ["nu"]
     best = told["result"]["best"]["outcome"]["score"]
-    shown = re.search(r"best so far ([\d.]+)", view.locator(".study-words").inner_text())
+    shown = re.search(r"best score ([\d.]+)", view.locator(".study-words").inner_text())
     assert shown
     assert float(shown[1]) == pytest.approx(best, rel=0.01)
     links = view.get_by_role("group", name="Download").get_by_role("link")
@@ -220,6 +220,43 @@ def test_a_study_of_another_experiment_says_in_what_and_loads_its_own(
     assert experiment(dashboard) == before
     page.locator("body").press("Control+z")
     expect(other).to_be_visible()
+
+
+@pytest.mark.parametrize("gains", [{"nu": {"low": 1, "high": 100}}, {}])
+def test_other_values_of_what_a_search_turns_are_no_other_experiment(
+    page: Page, dashboard: Dashboard, gains: dict[str, Any]
+) -> None:
+    prepare(dashboard, SHORT, GOALS)
+    number = begun(dashboard, "tune", trials=2, gains=gains)
+    ended(dashboard, number)
+    view = open_kept(page, dashboard, number)
+    other = view.locator(".study-other")
+    patch(dashboard, {"lanes": {LANE: {"nu": 2.5, "switching": "sign"}}})
+    expect(other).to_contain_text("differs in sw.")
+    patch(dashboard, {"lanes": {LANE: {"switching": "tanh"}}})
+    expect(other).to_be_hidden()
+
+
+def test_who_leaves_a_search_leaves_the_gains_that_were_tried(
+    page: Page, dashboard: Dashboard
+) -> None:
+    prepare(dashboard, SHORT, GOALS)
+    gains = {"nu": {"low": 1, "high": 100}}
+    number = begun(dashboard, "tune", trials=4, gains=gains)
+    ended(dashboard, number)
+    view = open_kept(page, dashboard, number)
+    before = experiment(dashboard)["lanes"][LANE]
+    tried = entries(dashboard, number)[3]["values"]["nu"]
+    view.get_by_label("Trial", exact=True).fill("3")
+    # The button itself is hidden behind its label.
+    view.get_by_text("B candidate").click()
+    expect(view.locator(".search-actions")).to_contain_text("has the gains of trial 3")
+    assert experiment(dashboard)["lanes"][LANE]["nu"] == tried
+    view.get_by_role("button", name="All studies").click()
+    end = time.monotonic() + DEADLINE
+    while (now := experiment(dashboard)["lanes"][LANE]) != before:
+        assert time.monotonic() < end, now
+        time.sleep(0.05)
 
 
 def test_a_server_that_is_lost_is_heard_again(

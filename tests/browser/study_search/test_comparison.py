@@ -24,22 +24,13 @@ NUMBER = 5
 PRESENT = {"nu": 0.3, "c": 10.0}
 
 
-@pytest.fixture(scope="module")
-def kept() -> dict[str, Any]:
-    """The study of this module, searched once."""
-    return {}
-
-
 @pytest.fixture
-def study(page: Page, dashboard: Dashboard, kept: dict[str, Any]) -> dict[str, Any]:
+def study(page: Page, dashboard: Dashboard) -> dict[str, Any]:
     """A search whose trial 5 is chosen on the page."""
-    goals = {**GOALS, **HARD}
-    if not kept:
-        kept |= searched(dashboard, goals, trials=8)
-    patch(dashboard, {"goals": goals, "simulation": {"horizon": 2.0}})
-    mounted(page, dashboard, kept)
+    found = searched(dashboard, {**GOALS, **HARD}, trials=8)
+    mounted(page, dashboard, found)
     choose(page, NUMBER)
-    return kept
+    return found
 
 
 def side(page: Page, name: str) -> Locator:
