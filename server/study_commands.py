@@ -55,7 +55,7 @@ def tune(
         ),
     ] = "",
     trials: Annotated[int | None, typer.Option(min=1, help="Sets of gains that are tried.")] = None,
-    sampler: Annotated[str | None, typer.Option(help="tpe, cmaes or nsga2.")] = None,
+    sampler: Annotated[str | None, typer.Option(help="tpe, cmaes, nsga2 or sobol.")] = None,
     draws: Annotated[
         int | None, typer.Option(min=0, help="Draws of what is uncertain that judge each set.")
     ] = None,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.goals.section import CHANNELS, FigureGoal, Goal, ResponseGoal
+from slidetune.robot.goals.section import CHANNELS, LATEST, FigureGoal, Goal, ResponseGoal
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.metrics import Metrics
 from slidetune.robot.loop.simulate import LaneRun
@@ -144,4 +144,7 @@ def said(goal: Goal) -> str:
     if isinstance(goal, FigureGoal):
         return f"{FIGURES[goal.figure].title}{joint} ≤ {bound}"
     assert isinstance(goal, ResponseGoal)
-    return f"{CHANNELS[goal.channel][0]}{joint} ≤ {bound}, {goal.start:g} to {goal.end:g} s"
+    words = f"{CHANNELS[goal.channel][0]}{joint} ≤ {bound}"
+    if goal.end < LATEST:
+        return f"{words}, {goal.start:g} to {goal.end:g} s"
+    return f"{words} from {goal.start:g} s on" if goal.start else words

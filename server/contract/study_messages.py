@@ -43,6 +43,10 @@ class StudySummary(BaseModel):
     total: int = Field(description="Entries that it has once it is done.")
     made: int = Field(description="Entries that there are.")
     seconds_left: float | None = Field(description="How long it will still take, where known [s].")
+    tasks_done: int = Field(
+        description="Tasks of a few runs each that have ended since this server goes on with it: a "
+        "sign of life, as entries may come several at a time."
+    )
 
 
 class StudyList(BaseModel):

@@ -104,7 +104,8 @@ def _summary(app_state: AppState, record: Record) -> dict[str, Any]:
     names = ("id", "kind", "title", "created", "version", "state", "message", "total", "made")
     left = app_state.studies.seconds_left(record.id, record.made, record.total)
     told = {name: getattr(record, name) for name in names}
-    return {**told, "lane": record.wanted["lane"], "seconds_left": left}
+    tasks = app_state.studies.tasks_done(record.id)
+    return {**told, "lane": record.wanted["lane"], "seconds_left": left, "tasks_done": tasks}
 
 
 def _study(record: Record) -> Study:

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError as NeverBegunError
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,6 +40,23 @@ class _Pace:
     made: int
     started: float
     executor: Executor
+    tasks: int = 0
+
+    def count(self, _: object) -> None:
+        """Note that one more task has ended."""
+        self.tasks += 1
+
+
+class _Counted(Executor):
+    """An executor whose tasks are counted as they end: a sign of life between entries."""
+
+    def __init__(self, executor: Executor, pace: _Pace) -> None:
+        self._executor, self._pace = executor, pace
+
+    def submit(self, function: Any, /, *args: Any, **options: Any) -> Future[Any]:
+        task = self._executor.submit(function, *args, **options)
+        task.add_done_callback(self._pace.count)
+        return task
 
 
 class StudyRunner:
@@ -125,6 +142,11 @@ class StudyRunner:
             return None
         return (time.monotonic() - pace.started) / (made - pace.made) * (total - made)
 
+    def tasks_done(self, number: int) -> int:
+        """Return how many tasks of a study have ended since this server goes on with it."""
+        pace = self._pace
+        return 0 if pace is None or pace.number != number else pace.tasks
+
     def _interrupt(self, number: int | None) -> None:
         """Stop the runs that are under way, of one study or of any."""
         with self._lock:
@@ -188,10 +210,11 @@ class StudyRunner:
         if not self.store.change_state(number, UNDER_WAY, "running"):
             raise CancelledError
         with self._executor() as executor:
+            pace = _Pace(number, made, time.monotonic(), executor)
             with self._lock:
-                self._pace = _Pace(number, made, time.monotonic(), executor)
+                self._pace = pace
             try:
-                for entry in study.entries(executor, known):
+                for entry in study.entries(_Counted(executor, pace), known):
                     self.store.append(number, made, [_row(entry)])
                     made += 1
                     if self._closing or self.store.progress(number)[0] != "running":

@@ -10,7 +10,7 @@ import {request} from './http.js';
  *
  * @typedef {{id: number, kind: Kind, lane: string, title: string, created: number, version: string,
  *   state: 'waiting'|'running'|'stopped'|'done'|'failed', message: string, total: number,
- *   made: number, seconds_left: number|null}} Summary
+ *   made: number, seconds_left: number|null, tasks_done: number}} Summary
  */
 /** @typedef {Summary & {wanted: Document, experiment: Document, result: Document}} Study */
 /**

@@ -47,8 +47,11 @@ export function stateWords({state, message}) {
  * @param {Summary} summary
  * @returns {string} such as `40 of 200 trials, 12 s left`
  */
-export function progressWords({kind, made, total, state, seconds_left: left}) {
+export function progressWords({kind, made, total, state, seconds_left: left, tasks_done: tasks}) {
   const counted = `${made} of ${total} ${KINDS[kind].entries}`;
+  if (state === 'running' && left === null && tasks) {
+    return `${counted}; ${tasks} ${tasks === 1 ? 'task' : 'tasks'} of the first have ended`;
+  }
   return state === 'running' && left !== null ? `${counted}, ${durationWords(left)} left` : counted;
 }
 

@@ -118,7 +118,7 @@ def test_keys_move_from_trial_to_trial_and_each_response_is_shown(
     figures = [study["entries"][number]["outcome"]["figures"] for number in (0, 2)]
     for (_, end, greatest), figure in zip(drawn, figures, strict=True):
         assert end == pytest.approx(2.0)
-        assert greatest == pytest.approx(1000 * figure["max_error"], rel=0.05)
+        assert greatest == pytest.approx(figure["max_error"], rel=0.05)
 
 
 def words(study: dict[str, Any], number: int) -> str:

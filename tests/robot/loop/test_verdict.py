@@ -116,8 +116,10 @@ def test_an_unknown_figure_is_no_goal_met() -> None:
 
 
 def test_a_goal_says_what_it_asks_for_with_its_unit() -> None:
-    assert said(ResponseGoal(channel="tau", joint=1, bound=120.0)) == (
-        "|τ| of joint 1 ≤ 120 N·m, 0 to 120 s"
-    )
+    whole = ResponseGoal(channel="tau", joint=1, bound=120.0)
+    assert said(whole) == "|τ| of joint 1 ≤ 120 N·m"
+    late = whole.model_copy(update={"start": 1.5})
+    assert said(late) == "|τ| of joint 1 ≤ 120 N·m from 1.5 s on"
+    assert said(late.model_copy(update={"end": 4.0})) == "|τ| of joint 1 ≤ 120 N·m, 1.5 to 4 s"
     assert said(FigureGoal(figure="flange_rms", bound=0.002)) == "flange RMS ≤ 0.002 m"
     assert unit_of(ResponseGoal(channel="de")) == "rad/s"
