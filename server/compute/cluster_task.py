@@ -5,21 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import pickle
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-import numba
-import numpy
-import pinocchio
-
-import slidetune.robot
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.version import __version__
-
-Build = dict[str, str]
+from slidetune.server.compute.build import BUILD, Build, difference
 
 
 class ClusterError(SlidetuneError):
@@ -28,38 +19,6 @@ class ClusterError(SlidetuneError):
 
 class WrongBuildError(ClusterError):
     """A worker's results would not be those of the coordinator."""
-
-
-def _sources() -> str:
-    """Return a digest of everything in `robot/` that a result depends on, wherever it lies."""
-    root = Path(slidetune.robot.__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted(root.rglob("*"), key=lambda path: path.relative_to(root).as_posix()):
-        if path.suffix in (".py", ".urdf"):
-            digest.update(path.relative_to(root).as_posix().encode() + b"\0")
-            digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:12]
-
-
-# As it was when this process loaded it, whatever becomes of the files.
-BUILD: Build = {
-    "slidetune": __version__,
-    "sources": _sources(),
-    "python": f"{sys.version_info.major}.{sys.version_info.minor}",
-    "numpy": numpy.__version__,
-    "numba": numba.__version__,
-    "pin": pinocchio.__version__,
-}
-"""What a result depends on beside its arguments: workers and coordinator must agree in it."""
-
-
-def difference(has: Build, wanted: Build) -> str:
-    """Return in words in what a build differs from the wanted one; empty if in nothing."""
-    return ", ".join(
-        f"{name} {has.get(name, 'none')} (wanted {value})"
-        for name, value in wanted.items()
-        if has.get(name) != value
-    )
 
 
 def run_task(wanted: Build, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

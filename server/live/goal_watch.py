@@ -62,7 +62,6 @@ class GoalWatch:
     _began: float = 0.0
     _metrics: RunningMetrics | None = None
     _inside: dict[str, bool] = field(default_factory=dict)
-    _last: dict[str, str] = field(default_factory=dict)
 
     def look(
         self,

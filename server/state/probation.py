@@ -74,8 +74,8 @@ class Probation:
 
     def _failed(self, lane: str, before: Experiment, after: Experiment, said: str) -> None:
         # On the session's thread, which has no time to change an experiment.
-        task = self._go_back, (lane, before, after, said)
-        Thread(target=task[0], args=task[1], name="slidetune-probation", daemon=True).start()
+        told = lane, before, after, said
+        Thread(target=self._go_back, args=told, name="slidetune-probation", daemon=True).start()
 
     def _go_back(self, lane: str, before: Experiment, after: Experiment, said: str) -> None:
         if self._document.experiment.lanes.get(lane) != after.lanes[lane]:

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot import __version__
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.simulate import CancelledError
 from slidetune.robot.study.curves import CURVES
 from slidetune.robot.study.robustness import Draw
 from slidetune.robot.study.study import Entry, Study
+from slidetune.server.compute.build import VERSION
 from slidetune.server.studies.store import Record, State, StudyStore, UnknownStudyError
 
 log = logging.getLogger("slidetune.studies")
@@ -198,9 +198,9 @@ class StudyRunner:
     def _finish(self, record: Record) -> tuple[State, str]:
         """Run a study to its end; return how it ended."""
         number, made = record.id, record.made
-        if made and record.version != __version__:
+        if made and record.version != VERSION:
             text = (
-                f"begun by version {record.version}, this is {__version__}: its entries may not go "
+                f"begun by version {record.version}, this is {VERSION}: its entries may not go "
                 "with what this version would add. Begin it anew."
             )
             return "failed", text

@@ -15,8 +15,8 @@ from typing import Any, Literal
 
 import platformdirs
 
-from slidetune.robot import __version__
 from slidetune.robot.errors import SlidetuneError
+from slidetune.server.compute.build import VERSION
 
 FOLDER_VARIABLE = "SLIDETUNE_STUDIES"
 """Environment variable that names another folder for the studies."""
@@ -72,7 +72,7 @@ class Record:
         kind: which kind.
         title: what people call it.
         created: when, in seconds since 1970.
-        version: of the program that began it.
+        version: of the program that began it, and its sources.
         state: whether it waits, runs, or how it ended.
         message: why it failed.
         total: how many entries it has once it is done.
@@ -119,7 +119,7 @@ class StudyStore:
         Raises:
             StudyStorageError: if the file can't be written.
         """
-        row = (kind, title, time.time(), __version__, "waiting", total, _text(experiment))
+        row = (kind, title, time.time(), VERSION, "waiting", total, _text(experiment))
         with self._file(create=True) as file:
             made = file.execute(
                 "INSERT INTO studies (kind, title, created, version, state, total, experiment,"

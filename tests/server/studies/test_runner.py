@@ -90,7 +90,7 @@ def test_another_version_does_not_go_on_with_entries_that_may_not_fit(
     store = StudyStore(tmp_path)
     wanted = study(trials=8)
     document = wanted.experiment.document()
-    monkeypatch.setattr("slidetune.server.studies.store.__version__", "0.0.1")
+    monkeypatch.setattr("slidetune.server.studies.store.VERSION", "0.0.1")
     number = store.add("tune", "", 8, document, wanted.wanted.model_dump(mode="json"))
     monkeypatch.undo()
     with local_executor(1) as pool:
