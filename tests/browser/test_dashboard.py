@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml
 from slidetune.robot.experiment.presets import load_preset
@@ -179,6 +179,22 @@ def test_what_undoes_a_preset_brings_the_initial_state_back(
     while not greatest()[0] > 0.099 and time.monotonic() < end:
         page.wait_for_timeout(50)
     assert greatest() == pytest.approx([0.1] * 6, abs=0.01)
+
+
+def test_an_undo_waits_for_the_edit_that_is_on_its_way(page: Page, dashboard: Dashboard) -> None:
+    open_page(page, dashboard)
+    held: list[Route] = []
+    page.route("**/api/presets/realistic/load", lambda route: held.append(route))
+    page.locator(".preset-button").click()
+    page.locator(".preset-load", has_text="A realistic arm").click()
+    end = time.monotonic() + 30.0
+    while not held and time.monotonic() < end:
+        page.wait_for_timeout(20)
+    # Asked for before the server has even heard of it.
+    page.keyboard.press("Control+z")
+    with page.expect_response("**/api/presets/paper/load"):
+        held[0].continue_()
+    expect(page.locator(".preset-name")).to_have_text("paper")
 
 
 def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(

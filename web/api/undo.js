@@ -19,6 +19,7 @@ export class History extends EventTarget {
   /** @type {Entry[]} */ #undone = [];
   /** @type {{before: Document, patch: Document, label: string}|null} */ #gesture = null;
   /** @type {Promise<void>} */ #queue = Promise.resolve();
+  /** @type {Promise<void>} kept when every edit has been made or refused */ #edits = Promise.resolve();
 
   /** @param {import('./api.js').Api} api */
   constructor(api) {
@@ -81,11 +82,13 @@ export class History extends EventTarget {
    * @param {string} label
    * @throws {import('./api.js').ApiError} when the server refuses; nothing has changed then
    */
-  async change(patch, label) {
-    await this.commit();
-    const before = this.#api.experiment;
-    await this.#api.change(patch);
-    this.#remember(label, before, patch);
+  change(patch, label) {
+    return this.#making(async () => {
+      await this.commit();
+      const before = this.#api.experiment;
+      await this.#api.change(patch);
+      this.#remember(label, before, patch);
+    });
   }
 
   /**
@@ -95,10 +98,12 @@ export class History extends EventTarget {
    * @param {() => Promise<any>} action
    * @param {Document} back the patch that takes it back
    */
-  async perform(label, action, back) {
-    await this.commit();
-    await action();
-    this.#push({label, back: () => this.#api.change(back), forward: action});
+  perform(label, action, back) {
+    return this.#making(async () => {
+      await this.commit();
+      await action();
+      this.#push({label, back: () => this.#api.change(back), forward: action});
+    });
   }
 
   /**
@@ -108,11 +113,13 @@ export class History extends EventTarget {
    * @param {() => Promise<{experiment: Document}>} action
    * @throws {import('./api.js').ApiError} when the server refuses; nothing has changed then
    */
-  async replace(label, action) {
-    await this.commit();
-    const {preset, experiment} = this.#api;
-    await action();
-    this.#push({label, back: () => this.restore(preset, experiment), forward: action});
+  replace(label, action) {
+    return this.#making(async () => {
+      await this.commit();
+      const {preset, experiment} = this.#api;
+      await action();
+      this.#push({label, back: () => this.restore(preset, experiment), forward: action});
+    });
   }
 
   /**
@@ -122,14 +129,16 @@ export class History extends EventTarget {
    * @param {() => Promise<{experiment: Document}>} action
    * @throws {import('./api.js').ApiError} when the server refuses; nothing has changed then
    */
-  async travelTo(label, action) {
-    await this.commit();
-    const before = this.#api.experiment;
-    const {experiment} = await action();
-    const back = difference(experiment, before);
-    const forward = difference(before, experiment);
-    if (!Object.keys(back).length) return;
-    this.#push({label, back: () => this.#apply(back), forward: () => this.#apply(forward)});
+  travelTo(label, action) {
+    return this.#making(async () => {
+      await this.commit();
+      const before = this.#api.experiment;
+      const {experiment} = await action();
+      const back = difference(experiment, before);
+      const forward = difference(before, experiment);
+      if (!Object.keys(back).length) return;
+      this.#push({label, back: () => this.#apply(back), forward: () => this.#apply(forward)});
+    });
   }
 
   /** Take the last edit back. */
@@ -156,6 +165,19 @@ export class History extends EventTarget {
     await this.#api.change(rest);
     // The state begins as this experiment has it, not as the preset does.
     this.#api.reset();
+  }
+
+  /**
+   * Make an edit; an undo that is asked for before it is made takes it back, not the one before.
+   *
+   * @param {() => Promise<void>} edit
+   * @returns {Promise<void>}
+   */
+  #making(edit) {
+    const made = edit();
+    const ended = made.catch(() => {}); // whoever asked is told
+    this.#edits = Promise.all([this.#edits, ended]).then(() => {});
+    return made;
   }
 
   /**
@@ -196,7 +218,7 @@ export class History extends EventTarget {
   #travel(way) {
     this.dispatchEvent(new Event('interrupt'));
     // One after the other: the second of two quick presses must see what the first one did.
-    const step = this.#queue.then(() => this.commit()).then(async () => {
+    const step = this.#queue.then(() => this.#edits).then(() => this.commit()).then(async () => {
       const stacks = way === 'back' ? [this.#done, this.#undone] : [this.#undone, this.#done];
       const entry = stacks[0].pop();
       if (!entry) return;
