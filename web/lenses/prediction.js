@@ -7,7 +7,7 @@ import {LensFigure} from './figure.js';
 import {thresholdKey} from '../fields/response_key.js';
 import {nyquistFigure} from './nyquist.js';
 import {threeDigits} from '../figures/columns.js';
-import {OFTEN, cautions, finding, proposal, reading, whyNothing} from './prediction_words.js';
+import {OFTEN, cautions, finding, proposal, reading, unlikeDrives, whyNothing} from './prediction_words.js';
 import {isWatching} from '../api/watch_only.js';
 
 /** @typedef {import('./card.js').Look} Look */
@@ -75,7 +75,8 @@ export class PredictionLens {
       row(one, index + 1, joint)
     )));
     const one = prediction.joints[joint - 1];
-    this.#card.finding = finding(prediction);
+    const apart = unlikeDrives(look.experiment.robot.lag);
+    this.#card.finding = [finding(prediction), apart].filter(Boolean).join(' ');
     const {epsilon} = prediction;
     this.#button.hidden = epsilon === null || isWatching();
     if (epsilon !== null) this.#button.textContent = proposal(prediction);

@@ -9,6 +9,8 @@ import {written} from '../fields/quantity.js';
 export const OFTEN = 0.05;
 /** Share of k₂ that a load takes from which on the wave is too lopsided for the prediction (*ours*). */
 const HALF = 0.5;
+/** So many times the least lag of a drive the greatest may be before it is worth a word (*ours*). */
+const UNLIKE = 3;
 /** Switching functions that the button replaces by tanh. */
 const REPLACED = ['sign', 'implicit'];
 
@@ -41,6 +43,16 @@ export function proposal({epsilon, switching, joints}) {
 
 /** @param {any[]} joints */
 function isSilent(joints) { return joints.every(({amplitude}) => !amplitude); }
+
+/**
+ * @param {number|number[]} lag of the drives
+ * @returns {string} where joints may carry each other with them, or ''
+ */
+export function unlikeDrives(lag) {
+  if (!Array.isArray(lag) || Math.max(...lag) <= UNLIKE * Math.min(...lag)) return '';
+  return 'The drives’ lags differ much: a slow joint may carry others with it, which then swing at its '
+    + 'frequency though silent by themselves. ε for all joints holds; for each joint compare what was measured.';
+}
 
 /** @param {any} prediction */
 export function finding({joints, switching, threshold, adaptive}) {

@@ -173,6 +173,20 @@ def test_a_loop_that_no_layer_holds_is_told_so_and_has_no_limit_cycle(
     expect(marks.filter(has_text="limit cycle")).to_have_count(0)
 
 
+def test_drives_that_differ_much_are_told_of(page: Page, dashboard: Dashboard) -> None:
+    dashboard.client.post("api/presets/drive-lag/load").raise_for_status()
+    others = dict.fromkeys(set(experiment(dashboard)["lanes"]) - {LANE})
+    patch(dashboard, {"lanes": others, "simulation": {"horizon": 1.0}})
+    page.goto(dashboard.url)
+    page.get_by_role("tab", name="Lenses").click()
+    page.get_by_role("tab", name="Prediction").click()
+    words = card(page, TITLE).locator(".lens-finding")
+    expect(words).to_contain_text("rad/s")
+    expect(words).not_to_contain_text("lags differ")
+    patch(dashboard, {"robot": {"lag": [0.012, 0.004, 0.004, 0.003, 0.003, 0.003]}})
+    expect(words).to_contain_text("lags differ much")
+
+
 @pytest.mark.parametrize(
     ("gains", "words"),
     [({"reaching": "power"}, "power reaching"), ({"k2": 0.0}, "k₂ of sign is 0")],
