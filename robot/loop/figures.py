@@ -167,8 +167,8 @@ _ENTRIES = (
         title="high-frequency torque",
         short="τ > fₕ",
         meaning="RMS torque above the high frequency fₕ, which the section Simulation sets, root "
-        "sum of squares of the joints; by Welch's method, whose windows let the first and the last "
-        "0.3 s count for little",
+        "sum of squares of the joints; by Welch's method, to whose windows the first 0.3 s and up "
+        "to the last 0.8 s count for little",
         column=True,
         not_live="It takes the spectrum of a whole run: see the whole response.",
         unknown="Unknown: the run is shorter than 0.25 s or 12.5 periods of fₕ, or fₕ is not below "

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 
-import numpy as np
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution
 from optuna.importance import PedAnovaImportanceEvaluator
@@ -27,7 +26,7 @@ def importance(
     Args:
         experiment: of the search.
         tuning: what it was told.
-        trials: those made so far.
+        trials: those made so far; one that was given up counts by what it costs at least.
 
     Returns:
         By name of the dimension, 1 in all: PED-ANOVA (Watanabe, Bansal and Hutter, 2023), which
@@ -73,30 +72,23 @@ def correlations(
 
     Returns:
         By name of the dimension and of the figure: Spearman's coefficient, -1 to 1, over the trials
-        that came to their end; ``None`` where a figure is the same in all.
+        that came to their end and met all draws; ``None`` where one of both is the same in all.
     """
-    ended = [one for one in trials if None not in one.outcome.figures.values()]
+    from scipy.stats import spearmanr  # slow to import, and only some studies ask
+
+    # What was given up has no draw that counts: its figures are those of another one.
+    ended = [one for one in trials if not one.beaten and None not in one.outcome.figures.values()]
     if len(ended) < FEWEST:
         return None
     names = list(ended[0].outcome.figures)
-    figures = _ranks([[one.outcome.figures[name] for name in names] for one in ended])
-    space = search_space(experiment, tuning)
-    values = _ranks([[one.values[dimension.name] for dimension in space] for one in ended])
-    return {
-        dimension.name: {
-            name: _correlation(values[:, place], figures[:, column])
-            for column, name in enumerate(names)
+    figures = {name: [one.outcome.figures[name] for one in ended] for name in names}
+    found: dict[str, dict[str, float | None]] = {}
+    for dimension in search_space(experiment, tuning):
+        values = [one.values[dimension.name] for one in ended]
+        found[dimension.name] = {
+            name: float(spearmanr(values, figures[name]).statistic)
+            if len(set(values)) > 1 and len(set(figures[name])) > 1
+            else None
+            for name in names
         }
-        for place, dimension in enumerate(space)
-    }
-
-
-def _ranks(rows: Sequence[Sequence[float | None]]) -> np.ndarray:
-    from scipy.stats import rankdata  # slow to import, and only some studies ask
-
-    return np.asarray(rankdata(np.array(rows, dtype=float), axis=0))
-
-
-def _correlation(one: np.ndarray, other: np.ndarray) -> float | None:
-    spread = float(np.std(one) * np.std(other))
-    return float(np.mean((one - one.mean()) * (other - other.mean())) / spread) if spread else None
+    return found

@@ -182,7 +182,9 @@ class _Search:
 
     def _is_beaten(self, met: Sequence[Outcome]) -> bool:
         costs, count = [one.cost for one in met], len(self._draws)
-        return not self._several and is_beaten(costs, count, self._tuning.judged_by, self._best)
+        # An even cover is to tell of all trials, not of the best.
+        raced = not self._several and self._tuning.sampler != "sobol"
+        return raced and is_beaten(costs, count, self._tuning.judged_by, self._best)
 
     def _trial(
         self, number: int, values: dict[str, float], patch: dict[str, Any], met: list[Outcome]

@@ -17,6 +17,7 @@ from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.study.curves import CURVES, bands, curves_of, edges
 from slidetune.robot.study.draws import drawn
+from slidetune.robot.study.outcome import outcome
 from slidetune.robot.study.results import bands_of, result_of, table_of
 from slidetune.robot.study.study import Entry, Study
 
@@ -186,3 +187,26 @@ def test_sobol_covers_the_ranges_and_tells_which_way_a_figure_goes() -> None:
     assert found["k1"]["mae"] < -0.9
     assert abs(found["c"]["mae"]) < 0.4
     assert result_of(study, entries[:9])["correlations"] is None
+
+
+def test_an_even_cover_is_not_raced_and_what_was_given_up_tells_of_no_figure() -> None:
+    gains = {"k1": {"low": 20.0, "high": 600.0}}
+    wanted = {"lane": "RBFNN-NFTSM", "trials": 40, "draws": 20, "gains": gains}
+    even = Study.from_document("tune", uncertain(), {**wanted, "sampler": "sobol"})
+    assert not any(one.beaten for one in made(even))  # type: ignore[union-attr]
+    raced = Study.from_document("tune", uncertain(), wanted)
+    entries = made(raced)
+    whole = [one for one in entries if not one.beaten]  # type: ignore[union-attr]
+    assert 0 < len(whole) < 24 < len(entries)
+    assert result_of(raced, entries)["correlations"] is None
+
+
+def test_a_figure_that_no_goal_asks_for_is_not_taken_and_one_that_is_asked_for_is_right() -> None:
+    figure = {"kind": "figure", "figure": "high_frequency_torque", "bound": 2.0}
+    plain = uncertain()
+    asked = plain.patched({"goals": {"calm": figure}})
+    metrics = simulate(asked, estimate=False).lanes[LANE].metrics
+    assert metrics.high_frequency_torque is not None
+    found = outcome(asked, LANE)
+    assert found.ratios["calm"] == metrics.high_frequency_torque / 2.0
+    assert outcome(plain, LANE).figures == found.figures

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.loop.simulate import CancelledError
 from slidetune.robot.study.study import Study
 from slidetune.server.compute.executor import LocalExecutor, local_executor
 from slidetune.server.studies.runner import StudyRunner
@@ -42,17 +45,33 @@ def until(true: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
+class Halting(LocalExecutor):
+    """Makes so many tasks; the next ones wait until they are stopped, however fast the machine."""
+
+    def __init__(self, tasks: int) -> None:
+        super().__init__(2)
+        self._left = tasks
+
+    def submit(self, function: Any, /, *args: Any, **options: Any) -> Future[Any]:
+        self._left -= 1
+        return super().submit(function if self._left >= 0 else wait_to_be_stopped, *args, **options)
+
+
+def wait_to_be_stopped(*_: Any, stop: np.ndarray) -> None:
+    while not stop[0]:
+        time.sleep(0.01)
+    raise CancelledError
+
+
 def test_the_next_server_goes_on_where_the_last_one_stopped(tmp_path: Path) -> None:
-    wanted = study(trials=60, horizon=2.0)
-    one = runner(tmp_path)
+    wanted = study(trials=60, horizon=0.5)
+    one = StudyRunner(StudyStore(tmp_path), lambda: Halting(28))
     one.start()
     number = one.begin(wanted)
-    until(lambda: one.store.progress(number)[2] >= 10)
+    until(lambda: one.store.progress(number)[2] >= 24)
     one.close()
-    store = StudyStore(tmp_path)
-    state, _, made = store.progress(number)
-    assert state == "running"
-    assert 10 <= made < 60
+    # Three batches of eight: the fourth was under way.
+    assert StudyStore(tmp_path).progress(number) == ("running", "", 24)
     two = runner(tmp_path)
     two.start()
     until(lambda: two.store.progress(number)[0] == "done")
