@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import msgspec
@@ -52,6 +53,48 @@ def _filled(value: Any, buffers: list[bytes]) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
+@dataclass
+class Seen:
+    """What a browser has of the scene, see `ViserClient`."""
+
+    nodes: dict[str, Message] = field(default_factory=dict)
+    poses: dict[str, Message] = field(default_factory=dict)
+    visible: dict[str, bool] = field(default_factory=dict)
+    bindings: dict[str, tuple[Message, ...]] = field(default_factory=dict)
+    others: dict[str, Message] = field(default_factory=dict)
+
+    def copy(self) -> Seen:
+        """Return the same in dicts of its own, those of the nodes included."""
+        nodes, poses = (
+            {name: dict(node) for name, node in every.items()} for every in (self.nodes, self.poses)
+        )
+        return Seen(nodes, poses, dict(self.visible), dict(self.bindings), dict(self.others))
+
+    def take(self, message: Message) -> None:
+        """Follow one message."""
+        kind, name = message["type"], message.get("name", "")
+        if kind == "SceneNodeUpdateMessage":
+            self.nodes[name].update(message["updates"])
+        elif kind == "SetSceneNodeVisibilityMessage":
+            self.visible[name] = message["visible"]
+        elif kind == "SetSceneNodeDragBindingsMessage":
+            self.bindings[name] = message["bindings"]
+        elif kind in ("SetPositionMessage", "SetOrientationMessage"):
+            part = "position" if kind == "SetPositionMessage" else "wxyz"
+            self._pose(name)[part] = np.array(message[part])
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.pop(name)
+        elif "props" in message and name:
+            self.nodes[name] = dict(message["props"])
+            self._pose(name)
+        else:
+            self.others[kind] = message
+
+    def _pose(self, name: str) -> Message:
+        rest = {"position": np.zeros(3), "wxyz": np.array([1.0, 0.0, 0.0, 0.0])}
+        return self.poses.setdefault(name, rest)
+
+
 class ViserClient:
     """Connects like a browser and follows the scene until it is closed.
 
@@ -69,11 +112,7 @@ class ViserClient:
 
     def __init__(self, port: int, path: str = "/") -> None:
         self.count, self.replayed = 0, -1
-        self.nodes: dict[str, Message] = {}
-        self.poses: dict[str, Message] = {}
-        self.visible: dict[str, bool] = {}
-        self.bindings: dict[str, tuple[Message, ...]] = {}
-        self.others: dict[str, Message] = {}
+        self._seen = Seen()
         self._socket = connect(
             f"ws://127.0.0.1:{port}{path}",
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
@@ -94,6 +133,26 @@ class ViserClient:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def nodes(self) -> dict[str, Message]:
+        return self._seen.nodes
+
+    @property
+    def poses(self) -> dict[str, Message]:
+        return self._seen.poses
+
+    @property
+    def visible(self) -> dict[str, bool]:
+        return self._seen.visible
+
+    @property
+    def bindings(self) -> dict[str, tuple[Message, ...]]:
+        return self._seen.bindings
+
+    @property
+    def others(self) -> dict[str, Message]:
+        return self._seen.others
 
     def close(self) -> None:
         self._socket.close()
@@ -141,32 +200,15 @@ class ViserClient:
     def _read(self) -> None:
         with suppress(ConnectionClosed):
             while True:
-                for message in decoded(bytes(self._socket.recv())):  # type: ignore[arg-type]
-                    self._take(message)
+                self._take(decoded(bytes(self._socket.recv())))  # type: ignore[arg-type]
 
-    def _take(self, message: Message) -> None:
-        kind, name = message["type"], message.get("name", "")
-        if kind == "ReplayDoneMessage":
-            self.replayed = self.count
-            return
-        self.count += 1
-        if kind == "SceneNodeUpdateMessage":
-            self.nodes[name].update(message["updates"])
-        elif kind == "SetSceneNodeVisibilityMessage":
-            self.visible[name] = message["visible"]
-        elif kind == "SetSceneNodeDragBindingsMessage":
-            self.bindings[name] = message["bindings"]
-        elif kind in ("SetPositionMessage", "SetOrientationMessage"):
-            part = "position" if kind == "SetPositionMessage" else "wxyz"
-            self._pose(name)[part] = np.array(message[part])
-        elif kind == "RemoveSceneNodeMessage":
-            self.nodes.pop(name)
-        elif "props" in message and name:
-            self.nodes[name] = dict(message["props"])
-            self._pose(name)
-        else:
-            self.others[kind] = message
-
-    def _pose(self, name: str) -> Message:
-        rest = {"position": np.zeros(3), "wxyz": np.array([1.0, 0.0, 0.0, 0.0])}
-        return self.poses.setdefault(name, rest)
+    def _take(self, messages: list[Message]) -> None:
+        """Follow a frame. A test that looks meanwhile sees it whole or not at all."""
+        count, replayed, seen = self.count, self.replayed, self._seen.copy()
+        for message in messages:
+            if message["type"] == "ReplayDoneMessage":
+                replayed = count
+            else:
+                count += 1
+                seen.take(message)
+        self._seen, self.count, self.replayed = seen, count, replayed
