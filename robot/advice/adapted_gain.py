@@ -10,7 +10,6 @@ from slidetune.robot.advice.remark import Advice, span
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.fields.field_path import field_path
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.margins.margin import is_stable, with_lane
 from slidetune.robot.margins.unsampled import as_if_unsampled
 
@@ -25,7 +24,9 @@ def adapted_gain(packed: Packed, name: str) -> Iterator[Advice]:
     lane, simulation = packed.experiment.lanes[name], packed.experiment.simulation
     if not hasattr(lane, "adaptation_rate") or lane.switching == "sign" or lane.reaching == "power":
         return
-    least, most = (np.broadcast_to(np.asarray(gain), JOINTS) for gain in (lane.k2_min, lane.k2))
+    least, most = (
+        np.broadcast_to(np.asarray(gain), packed.joints) for gain in (lane.k2_min, lane.k2)
+    )
     sampled, lag = simulation.mode == "sampled", bool(np.any(packed.environment[LAG]))
     if not (sampled or lag) or not np.any(lane.adaptation_rate) or np.all(most <= least):
         return

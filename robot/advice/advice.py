@@ -15,7 +15,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.field_path import field_path
-from slidetune.robot.fields.quantity import JOINTS, bounds
+from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 from slidetune.robot.laws.terms.network import NetworkGains
 from slidetune.robot.margins.margin import is_stable
@@ -71,7 +71,9 @@ def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
 
 def _limits(packed: Packed) -> Array:
     limit = packed.experiment.robot.torque_limit
-    return np.broadcast_to(np.asarray(np.inf if limit is None else limit, dtype=float), JOINTS)
+    return np.broadcast_to(
+        np.asarray(np.inf if limit is None else limit, dtype=float), packed.joints
+    )
 
 
 def _motion(packed: Packed, name: str) -> Iterator[Advice]:

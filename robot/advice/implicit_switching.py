@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.layer import layer_of
 from slidetune.robot.margins.margin import is_stable, with_lane
@@ -47,7 +46,7 @@ def implicit_switching(packed: Packed, name: str) -> ImplicitSwitching | None:
     other = with_lane(packed, name, switching="implicit")
     if not is_stable(other, name) or (present != "sign" and is_stable(packed, name)):
         return None
-    switched = np.broadcast_to(np.asarray(lane.k2) > 0.0, JOINTS)
+    switched = np.broadcast_to(np.asarray(lane.k2) > 0.0, packed.joints)
     layer = layer_of(other, name)[switched]
     low, high = f"{layer.min():.3g}", f"{layer.max():.3g}"
     width = low if low == high else f"{low} to {high}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS, bounds
+from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.margins.margin import (
     at_rate,
     instants,
@@ -85,7 +85,7 @@ def with_layer(packed: Packed, name: str, factor: float) -> Packed:
         factor: how many times.
     """
     lane = packed.experiment.lanes[name]
-    width = tuple(np.broadcast_to(np.multiply(lane.epsilon, factor), JOINTS).tolist())
+    width = tuple(np.broadcast_to(np.multiply(lane.epsilon, factor), packed.joints).tolist())
     return with_lane(packed, name, epsilon=width)
 
 

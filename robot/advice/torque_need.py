@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import AD, CURRENT, QD, TAU, VD, WORK_ROWS, F, V
 from slidetune.robot.margins.margin import evaluate
 from slidetune.robot.motion.trajectory import reference
@@ -20,10 +20,10 @@ _INSTANTS = 60
 def start(packed: Packed, name: str) -> Array:
     """Return a workspace with a lane's law evaluated at the very start. Shape (WORK_ROWS, 6)."""
     simulation = packed.experiment.simulation
-    work = np.zeros((WORK_ROWS, JOINTS))
-    reference(0.0, packed.trajectory, work)
+    work = np.zeros((WORK_ROWS, packed.joints))
+    for_joints(reference, packed.joints)(0.0, packed.trajectory, work)
     q = work[QD] - np.asarray(simulation.initial_error)
-    v = work[VD] if simulation.initial_velocity == "desired" else np.zeros(JOINTS)
+    v = work[VD] if simulation.initial_velocity == "desired" else np.zeros(packed.joints)
     return evaluate(packed, name, q, v, packed.trajectory)
 
 
@@ -45,11 +45,13 @@ def required_torque(packed: Packed) -> Array:
         Torque in [N m], of the true arm, friction and disturbance included. Shape (6,).
     """
     model, data = packed.model, packed.model.createData()
-    work, greatest = np.zeros((WORK_ROWS, JOINTS)), np.zeros(JOINTS)
+    joints = packed.joints
+    work, greatest = np.zeros((WORK_ROWS, joints)), np.zeros(joints)
+    motion_at, torque_at = for_joints(reference, joints), for_joints(external_torque, joints)
     for t in np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS):
-        reference(t, packed.trajectory, work)
+        motion_at(t, packed.trajectory, work)
         work[CURRENT + V] = work[VD]
-        external_torque(t, 0.0, CURRENT, packed.environment, work)
+        torque_at(t, 0.0, CURRENT, packed.environment, work)
         inertia = pin.crba(model, data, work[QD])
         bias = pin.nonLinearEffects(model, data, work[QD], work[VD])
         greatest = np.maximum(greatest, np.abs(inertia @ work[AD] + bias + work[F]))

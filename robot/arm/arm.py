@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.arm.chain import checked_chain
+from slidetune.robot.arm.chain import checked_chain, turned_axis
 from slidetune.robot.arm.description import URDF_PATH
 from slidetune.robot.arm.section import Robot
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 
 Array = np.ndarray
@@ -56,7 +55,8 @@ def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pi
         point = pin.Inertia(robot.payload.mass, np.array(robot.payload.center), np.zeros((3, 3)))
         frame = model.frames[model.getFrameId(FLANGE)]
         model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
-    model.armature = np.broadcast_to(np.asarray(robot.armature, dtype=float), JOINTS).copy()
+    armature = np.asarray(robot.armature, dtype=float)
+    model.armature = np.broadcast_to(armature, model.nv).copy()
     return model
 
 
@@ -66,10 +66,12 @@ class Arm(NamedTuple):
     Attributes:
         model: for Pinocchio.
         chain: for the compiled recursion, ``None`` where that does not agree with Pinocchio.
+        places: for ``flange_positions``.
     """
 
     model: pin.Model
     chain: Array | None
+    places: Array
 
 
 @lru_cache(maxsize=64)
@@ -79,7 +81,7 @@ def build_arm(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> Arm:
     chain = checked_chain(model)
     if chain is None:
         _warn_once()
-    return Arm(model, chain)
+    return Arm(model, chain, flange_places(model, FLANGE))
 
 
 @cache
@@ -99,40 +101,73 @@ def nominal_arm(robot: Robot, mismatch: float) -> Arm | None:
 
 
 @cache
-def _chain() -> Array:
-    """Return the placements of the six joints and of the flange. Shape (7, 3, 4)."""
-    model = _described_model()
-    frame = model.frames[model.getFrameId(FLANGE)]
-    placements = [*(model.jointPlacements[j] for j in range(1, JOINTS + 1)), frame.placement]
-    return np.array([np.hstack([p.rotation, p.translation[:, None]]) for p in placements])
+def shipped_places() -> Array:
+    """Return what ``flange_positions`` takes of the arm that is drawn. Shape (7, 13)."""
+    return build_arm(Robot()).places
+
+
+PLACE_COLUMNS = 13
+"""Columns of ``flange_places``: rotation row by row, place [m], and whether the joint slides."""
+
+
+def flange_places(model: pin.Model, flange: str) -> Array:
+    """Return where each joint and the flange stand in the frame before, as numbers.
+
+    Args:
+        model: a serial arm; z of every joint's frame is turned onto its axis.
+        flange: name of the flange's frame.
+
+    Returns:
+        For ``flange_positions``. Shape (n + 1, 13).
+    """
+    frame, before = model.frames[model.getFrameId(flange)], np.eye(3)
+    places = np.zeros((model.nv + 1, PLACE_COLUMNS))
+    for joint in range(1, model.nv + 1):
+        found = turned_axis(model, joint)
+        if found is None:
+            raise ValueError(f"joint {joint} neither turns about nor slides along one axis")
+        turn, slides = found
+        placement = model.jointPlacements[joint]
+        places[joint - 1, :9] = (before.T @ placement.rotation @ turn).ravel()
+        places[joint - 1, 9:12] = before.T @ placement.translation
+        places[joint - 1, 12] = slides
+        before = turn
+    places[-1, :9] = (before.T @ frame.placement.rotation).ravel()
+    places[-1, 9:12] = before.T @ frame.placement.translation
+    return places
 
 
 @kernel
-def _flange_positions(chain, angles, out):  # type: ignore[no-untyped-def]
+def _flange_positions(places, angles, out):  # type: ignore[no-untyped-def]
     """Carry the flange's centre from frame to frame, from the last joint back to the base."""
+    last = places.shape[0] - 1
     for row in range(angles.shape[0]):
-        x, y, z = chain[JOINTS, 0, 3], chain[JOINTS, 1, 3], chain[JOINTS, 2, 3]
-        for joint in range(JOINTS - 1, -1, -1):
-            place = chain[joint]
-            c, s = cos(angles[row, joint]), sin(angles[row, joint])
-            x, y = c * x - s * y, s * x + c * y
+        x, y, z = places[last, 9], places[last, 10], places[last, 11]
+        for joint in range(last - 1, -1, -1):
+            place, q = places[joint], angles[row, joint]
+            if place[12] != 0.0:
+                z += q
+            else:
+                c, s = cos(q), sin(q)
+                x, y = c * x - s * y, s * x + c * y
             x, y, z = (
-                place[0, 0] * x + place[0, 1] * y + place[0, 2] * z + place[0, 3],
-                place[1, 0] * x + place[1, 1] * y + place[1, 2] * z + place[1, 3],
-                place[2, 0] * x + place[2, 1] * y + place[2, 2] * z + place[2, 3],
+                place[0] * x + place[1] * y + place[2] * z + place[9],
+                place[3] * x + place[4] * y + place[5] * z + place[10],
+                place[6] * x + place[7] * y + place[8] * z + place[11],
             )
         out[row, 0], out[row, 1], out[row, 2] = x, y, z
 
 
-def flange_positions(angles: Array) -> Array:
+def flange_positions(angles: Array, places: Array) -> Array:
     """Return where the flange's centre is.
 
     Args:
-        angles: joint angles in [rad]. Shape (n, 6).
+        angles: joint angles in [rad], or displacements in [m]. Shape (m, n).
+        places: what ``flange_places`` returned of the arm. Shape (n + 1, 13).
 
     Returns:
-        Positions in the base frame in [m]. Shape (n, 3).
+        Positions in the base frame in [m]. Shape (m, 3).
     """
     out = np.empty((len(angles), 3))
-    _flange_positions(_chain(), np.ascontiguousarray(angles, dtype=float), out)
+    _flange_positions(places, np.ascontiguousarray(angles, dtype=float), out)
     return out

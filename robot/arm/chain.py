@@ -19,11 +19,10 @@ from slidetune.robot.arm.recursion import (
     TENSOR,
     chain_dynamics,
 )
+from slidetune.robot.fields.quantity import MOST_JOINTS
 
 Array = np.ndarray
 
-MOST_JOINTS = 12
-"""Joints of the longest chain (*ours*)."""
 AGREEMENT = 1e-10
 """Relative difference from Pinocchio up to which a chain is used (*ours*)."""
 _STATES = 4
@@ -37,6 +36,23 @@ def _frame_along(axis: Array) -> Array:
     x = x - z * (z @ x)
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
+
+
+def turned_axis(model: pin.Model, joint: int) -> tuple[Array, bool] | None:
+    """Return how a joint's frame is turned for its z to be its axis, and whether it slides.
+
+    Args:
+        model: the arm.
+        joint: Pinocchio's number of the joint.
+
+    Returns:
+        A rotation of shape (3, 3) and a flag; ``None`` for a screw, or where no axis stays.
+    """
+    motion = np.asarray(model.joints[joint].createData().S).ravel()
+    slides = bool(motion[:3].any())
+    if motion.shape != (6,) or slides == bool(motion[3:].any()):
+        return None
+    return _frame_along(motion[:3] if slides else motion[3:]), slides
 
 
 def pack_chain(model: pin.Model) -> Array | None:
@@ -56,15 +72,12 @@ def pack_chain(model: pin.Model) -> Array | None:
     chain = np.zeros((count + 1, CHAIN_COLUMNS))
     chain[count, :3] = model.gravity.linear
     before = np.eye(3)
-    for row, joint, placement, inertia in zip(
-        chain, list(model.joints)[1:], list(model.jointPlacements)[1:], list(model.inertias)[1:],
-        strict=False,
-    ):  # fmt: skip
-        motion = np.asarray(joint.createData().S).ravel()
-        slides = motion[:3].any()
-        if slides == motion[3:].any():
-            return None  # a screw, or no axis that stays
-        turn = _frame_along(motion[:3] if slides else motion[3:])
+    for number, row in enumerate(chain[:count], 1):
+        placement, inertia = model.jointPlacements[number], model.inertias[number]
+        found = turned_axis(model, number)
+        if found is None:
+            return None
+        turn, slides = found
         row[ROTATION:PLACE] = (before.T @ placement.rotation @ turn).ravel()
         row[PLACE:MASS] = before.T @ placement.translation
         row[MASS], row[CENTRE:TENSOR] = inertia.mass, turn.T @ inertia.lever

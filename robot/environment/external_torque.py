@@ -6,7 +6,6 @@ from math import cos, floor, sin, sqrt, tanh
 
 from slidetune.robot.environment.layout import (
     BITS,
-    COMMON,
     CONSTANT,
     COULOMB,
     DURATION,
@@ -28,7 +27,7 @@ from slidetune.robot.environment.layout import (
 )
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import DISTURBANCE, EDGE, ERRORS, F_SLOPE, PUSH, F, V
+from slidetune.robot.kernels.workspace import DISTURBANCE, EDGE, F_SLOPE, PUSH, F, V
 
 COULOMB_WIDTH = 0.02
 """Velocity [rad/s] over which Coulomb friction changes its sign (*ours*)."""
@@ -37,7 +36,7 @@ COULOMB_WIDTH = 0.02
 @kernel
 def _on_time(since, environment):  # type: ignore[no-untyped-def]
     """Return how long in [s] the pulse has been on, ``since`` [s] after its first start."""
-    duration, period = environment[COMMON, DURATION], environment[COMMON, PERIOD]
+    duration, period = environment[DURATION, 0], environment[PERIOD, 0]
     if since <= 0.0:
         return 0.0
     if period == 0.0:
@@ -49,12 +48,12 @@ def _on_time(since, environment):  # type: ignore[no-untyped-def]
 @kernel
 def _pulse_mean(t, width, environment):  # type: ignore[no-untyped-def]
     """Return the share of ``[t, t + width]`` in which the pulse is on; at ``t`` for width 0."""
-    since = t - environment[COMMON, START]
+    since = t - environment[START, 0]
     if width > 0.0:
         return (_on_time(since + width, environment) - _on_time(since, environment)) / width
-    if environment[COMMON, PERIOD] > 0.0 and since > 0.0:
-        since -= environment[COMMON, PERIOD] * floor(since / environment[COMMON, PERIOD])
-    return 1.0 if 0.0 <= since < environment[COMMON, DURATION] else 0.0
+    if environment[PERIOD, 0] > 0.0 and since > 0.0:
+        since -= environment[PERIOD, 0] * floor(since / environment[PERIOD, 0])
+    return 1.0 if 0.0 <= since < environment[DURATION, 0] else 0.0
 
 
 @kernel
@@ -78,15 +77,15 @@ def disturbance_torque(t, width, environment, work):  # type: ignore[no-untyped-
         environment: what ``pack_environment`` returned.
         work: workspace; writes ERRORS[EDGE] too: whether a pulse begins or ends within the step.
     """
-    bits, middle = int(environment[COMMON, BITS]), t + 0.5 * width
+    bits, middle = int(environment[BITS, 0]), t + 0.5 * width
     wave, pulse = 0.0, 0.0
-    work[ERRORS, EDGE] = 0.0
+    work[EDGE, 0] = 0.0
     if bits & SWINGS:
-        omega = environment[COMMON, OMEGA]
-        wave = sin(omega * middle + environment[COMMON, PHASE]) * _damped(0.5 * omega * width)
+        omega = environment[OMEGA, 0]
+        wave = sin(omega * middle + environment[PHASE, 0]) * _damped(0.5 * omega * width)
     if bits & PULSES:
         pulse = _pulse_mean(t, width, environment)
-        work[ERRORS, EDGE] = 1.0 if 0.0 < pulse < 1.0 else 0.0
+        work[EDGE, 0] = 1.0 if 0.0 < pulse < 1.0 else 0.0
     for j in range(JOINTS):
         torque = (
             environment[CONSTANT, j] + wave * environment[SINE, j] + pulse * environment[PULSE, j]
@@ -104,7 +103,7 @@ def disturbance_torque(t, width, environment, work):  # type: ignore[no-untyped-
 @kernel
 def changes_within_a_step(environment):  # type: ignore[no-untyped-def]
     """Tell whether the mean of the disturbance depends on the length of the step."""
-    return int(environment[COMMON, BITS]) & (SWINGS | PULSES | NOISES) != 0
+    return int(environment[BITS, 0]) & (SWINGS | PULSES | NOISES) != 0
 
 
 @kernel
@@ -121,7 +120,7 @@ def external_torque(t, width, state, environment, work):  # type: ignore[no-unty
         work: workspace; writes DISTURBANCE [N m], F [N m] and F_SLOPE [N m s/rad].
     """
     disturbance_torque(t, width, environment, work)
-    rubs = int(environment[COMMON, BITS]) & RUBS != 0
+    rubs = int(environment[BITS, 0]) & RUBS != 0
     for j in range(JOINTS):
         v, slope = work[state + V, j], environment[VISCOUS, j]
         torque = work[DISTURBANCE, j] + slope * v

@@ -14,20 +14,17 @@ Array = np.ndarray
 TONES = 16
 """Sines of random phase that make one joint's band-limited noise (*ours*)."""
 
-VISCOUS, COULOMB, LIMIT, CONSTANT, SINE, PULSE, NOISE, COMMON = range(8)
+VISCOUS, COULOMB, LIMIT, CONSTANT, SINE, PULSE, NOISE, LAG = range(8)
 TONE_OMEGA = 8
 TONE_PHASE = TONE_OMEGA + TONES
-ENVIRONMENT_ROWS = TONE_PHASE + TONES
-# Columns of the row COMMON.
-OMEGA, PHASE, START, DURATION, PERIOD, BITS = range(6)
-# Bits of the column BITS: which parts of the environment there are.
+TONES_END = TONE_PHASE + TONES
+# Rows of one number for all joints, in column 0.
+OMEGA, PHASE, START, DURATION, PERIOD, BITS = range(TONES_END, TONES_END + 6)
+SENSOR_Q, SENSOR_V, SEED = range(BITS + 1, BITS + 4)
+ENVIRONMENT_ROWS = SEED + 1
+# Bits of BITS: which parts of the environment there are.
 SWINGS, PULSES, NOISES, RUBS, LIMITS, LAGS, TWO_LAGS = 1, 2, 4, 8, 16, 32, 64
 KINKS = RUBS | LIMITS
-# Sensor noise stands in a row of its own, after the tones.
-SENSOR = ENVIRONMENT_ROWS
-SENSOR_Q, SENSOR_V, SEED = range(3)
-LAG = SENSOR + 1
-ENVIRONMENT_SHAPE = (LAG + 1, JOINTS)
 
 
 def pack_environment(
@@ -37,6 +34,7 @@ def pack_environment(
     torque_limit: PerJoint | None,
     lag: PerJoint = 0.0,
     lags: int = 1,
+    joints: int = JOINTS,
 ) -> Array:
     """Return disturbance, friction, limits and lags of the drives as numbers.
 
@@ -47,11 +45,12 @@ def pack_environment(
         torque_limit: torque limits in [N m], ``None`` for none.
         lag: time constants of the drives in [s].
         lags: how many of them are in series, 1 or 2.
+        joints: how many joints the arm has.
 
     Returns:
-        Shape ENVIRONMENT_SHAPE.
+        Shape (ENVIRONMENT_ROWS, n).
     """
-    environment = np.zeros(ENVIRONMENT_SHAPE)
+    environment = np.zeros((ENVIRONMENT_ROWS, joints))
     environment[VISCOUS], environment[COULOMB], environment[LAG] = viscous, coulomb, lag
     environment[LIMIT] = np.inf if torque_limit is None else torque_limit
     environment[CONSTANT], environment[SINE] = disturbance.constant, disturbance.sine.amplitude
@@ -74,17 +73,17 @@ def pack_environment(
         )
         if active
     )
-    environment[COMMON, :6] = [*common, float(bits)]
+    environment[OMEGA : BITS + 1, 0] = [*common, float(bits)]
     if bits & NOISES:
         _pack_tones(disturbance, environment)
     noise = disturbance.sensor_noise
-    environment[SENSOR, :3] = noise.position, noise.velocity, disturbance.seed
+    environment[SENSOR_Q : SEED + 1, 0] = noise.position, noise.velocity, disturbance.seed
     return environment
 
 
 def _pack_tones(disturbance: Disturbance, environment: Array) -> None:
     """Spread the tones over the band, one in each of TONES equal parts, all of equal power."""
-    random = np.random.default_rng(disturbance.seed)
-    parts = (np.arange(TONES)[:, None] + random.random((TONES, JOINTS))) / TONES
+    random, joints = np.random.default_rng(disturbance.seed), environment.shape[1]
+    parts = (np.arange(TONES)[:, None] + random.random((TONES, joints))) / TONES
     environment[TONE_OMEGA:TONE_PHASE] = 2.0 * pi * disturbance.noise.bandwidth * parts
-    environment[TONE_PHASE:ENVIRONMENT_ROWS] = 2.0 * pi * random.random((TONES, JOINTS))
+    environment[TONE_PHASE:TONES_END] = 2.0 * pi * random.random((TONES, joints))

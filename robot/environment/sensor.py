@@ -6,7 +6,7 @@ from math import cos, log, pi, sin, sqrt
 
 import numpy as np
 
-from slidetune.robot.environment.layout import SEED, SENSOR, SENSOR_Q, SENSOR_V
+from slidetune.robot.environment.layout import SEED, SENSOR_Q, SENSOR_V
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import MEASURED_Q, MEASURED_V, Q, V
@@ -34,12 +34,12 @@ def measure(sample, environment, work):  # type: ignore[no-untyped-def]
         environment: what ``pack_environment`` returned.
         work: workspace; writes MEASURED_Q [rad] and MEASURED_V [rad/s].
     """
-    deviation_q, deviation_v = environment[SENSOR, SENSOR_Q], environment[SENSOR, SENSOR_V]
+    deviation_q, deviation_v = environment[SENSOR_Q, 0], environment[SENSOR_V, 0]
     for j in range(JOINTS):
         work[MEASURED_Q, j] = work[Q, j]
         work[MEASURED_V, j] = work[V, j]
         if deviation_q > 0.0 or deviation_v > 0.0:
-            seed = int(environment[SENSOR, SEED])
+            seed = int(environment[SEED, 0])
             radius = sqrt(-2.0 * log(_uniform(seed, sample, 2 * j)))
             angle = 2.0 * pi * _uniform(seed, sample, 2 * j + 1)
             work[MEASURED_Q, j] += deviation_q * radius * cos(angle)

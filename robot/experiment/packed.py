@@ -31,6 +31,7 @@ class Packed:
         chain: the true arm for the compiled recursion, ``None`` where that does not agree with
             Pinocchio.
         nominal_chain: the same of the nominal arm.
+        places: the true arm for ``flange_positions``.
     """
 
     experiment: Experiment
@@ -41,6 +42,12 @@ class Packed:
     nominal: pin.Model | None
     chain: Array | None
     nominal_chain: Array | None
+    places: Array
+
+    @property
+    def joints(self) -> int:
+        """How many joints the arm has."""
+        return int(self.model.nv)
 
     @property
     def compiled(self) -> bool:
@@ -63,6 +70,8 @@ def pack(experiment: Experiment) -> Packed:
             value = getattr(trajectory, error.field)
             refused = FieldError(f"trajectory.{error.field}", str(error), value)
             raise InvalidExperimentError([refused]) from error
+    truth = build_arm(robot)
+    joints = truth.model.nv
     environment = pack_environment(
         experiment.disturbance,
         robot.viscous_friction,
@@ -70,16 +79,17 @@ def pack(experiment: Experiment) -> Packed:
         robot.torque_limit,
         robot.lag,
         2 if robot.lag_order == "second" else 1,
+        joints,
     )
-    truth = build_arm(robot)
     nominal = nominal_arm(robot, experiment.disturbance.nominal_mismatch)
     return Packed(
         experiment=experiment,
-        trajectory=pack_trajectory(trajectory, turn),
+        trajectory=pack_trajectory(trajectory, turn, joints),
         environment=environment,
-        gains={name: lane.pack() for name, lane in experiment.lanes.items()},
+        gains={name: lane.pack(joints) for name, lane in experiment.lanes.items()},
         model=truth.model,
         nominal=None if nominal is None else nominal.model,
         chain=truth.chain,
         nominal_chain=None if nominal is None else nominal.chain,
+        places=truth.places,
     )

@@ -25,6 +25,9 @@ from pydantic_core import PydanticCustomError
 from slidetune.robot.fields.plain_values import PlainMapping, UnfitError, plain_values
 
 JOINTS = 6
+"""Joints of the shipped arm; a kernel for another one has their number in this one's place."""
+MOST_JOINTS = 12
+"""Joints of the longest arm (*ours*)."""
 
 Scale = Literal["linear", "log"]
 Source = Literal["published", "corrected", "vendor", "inferred", "ours"]

@@ -14,16 +14,7 @@ from slidetune.robot.integrator.kernel_arrays import STEP, TOLERANCE, loop_array
 from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.known_shape import as_floats
-from slidetune.robot.kernels.workspace import (
-    CAPPED,
-    CUT,
-    ERRORS,
-    OVER,
-    RESIGNED,
-    TALLY,
-    UNSOLVED,
-    WRONG,
-)
+from slidetune.robot.kernels.workspace import CAPPED, CUT, OVER, RESIGNED, UNSOLVED, WRONG
 
 Array = np.ndarray
 
@@ -121,8 +112,8 @@ def begin_parts(t, cutting, table):  # type: ignore[no-untyped-def]
     """
     _, _, _, _, work, _ = loop_arrays(table)
     h, halvings = as_floats(table)[STEP], cutting[MOST]
-    work[TALLY, CUT] += 1.0
-    work[ERRORS, OVER] = 0.0
+    work[CUT, 0] += 1.0
+    work[OVER, 0] = 0.0
     _fill(t, h, cutting)
     cutting[WHOLE], cutting[DEPTH], cutting[RESULT] = h, 0.0, 0.0
     spent = cutting[UNSOLVABLE] <= 0.0 and cutting[LEFT] < 0.0
@@ -144,19 +135,19 @@ def next_part(cutting, table):  # type: ignore[no-untyped-def]
     numbers = as_floats(table)
     _, _, _, _, work, _ = loop_arrays(table)
     if cutting[DEPTH] == 0.0 or cutting[RESULT] != 0.0:
-        if work[ERRORS, OVER] > 1.0:
-            work[TALLY, CAPPED] += 1.0
+        if work[OVER, 0] > 1.0:
+            work[CAPPED, 0] += 1.0
         numbers[STEP], numbers[TOLERANCE] = cutting[WHOLE], cutting[LOOSENESS]
-        work[ERRORS, RESIGNED] = 0.0
+        work[RESIGNED, 0] = 0.0
         return False
     place = PENDING + PENDING_SIZE * int(cutting[DEPTH] - 1.0)
     cutting[LEFT] -= 1.0
     last = cutting[place + 2] <= 0.0 or cutting[LEFT] < 0.0
     cutting[FROM], cutting[LAST] = cutting[place], 1.0 if last else 0.0
-    cutting[COUNTED] = work[TALLY, UNSOLVED]
+    cutting[COUNTED] = work[UNSOLVED, 0]
     numbers[STEP] = cutting[place + 1]
     numbers[TOLERANCE] = inf if last else cutting[LOOSENESS]
-    work[ERRORS, RESIGNED] = 1.0 if cutting[UNSOLVABLE] <= 0.0 else 0.0
+    work[RESIGNED, 0] = 1.0 if cutting[UNSOLVABLE] <= 0.0 else 0.0
     return True
 
 
@@ -172,13 +163,13 @@ def end_part(bad, cutting, table):  # type: ignore[no-untyped-def]
     _, _, _, _, work, _ = loop_arrays(table)
     cutting[DEPTH] -= 1.0
     place = PENDING + PENDING_SIZE * int(cutting[DEPTH])
-    if work[ERRORS, RESIGNED] != 0.0:
+    if work[RESIGNED, 0] != 0.0:
         # Too many were not solved: from now on those count for what they take.
-        cutting[LEFT] -= UNSOLVED_PARTS * (work[TALLY, UNSOLVED] - cutting[COUNTED])
+        cutting[LEFT] -= UNSOLVED_PARTS * (work[UNSOLVED, 0] - cutting[COUNTED])
     if bad == STUCK:
         cutting[UNSOLVABLE] -= 1.0
     if cutting[LAST] != 0.0:
-        work[ERRORS, OVER] = max(work[ERRORS, OVER], work[ERRORS, WRONG])
+        work[OVER, 0] = max(work[OVER, 0], work[WRONG, 0])
     if bad == RAISED or (cutting[LAST] != 0.0 and bad != 0):
         cutting[RESULT] = bad
     elif bad != 0:

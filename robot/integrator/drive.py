@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import exp, expm1
 
-from slidetune.robot.environment.layout import BITS, COMMON, LAG, LAGS, TWO_LAGS
+from slidetune.robot.environment.layout import BITS, LAG, LAGS, TWO_LAGS
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import (
@@ -33,7 +33,7 @@ _LONG = 700.0
 @inlined
 def lags(environment):  # type: ignore[no-untyped-def]
     """Tell whether any drive has a lag."""
-    return int(environment[COMMON, BITS]) & LAGS != 0
+    return int(environment[BITS, 0]) & LAGS != 0
 
 
 @kernel
@@ -48,7 +48,7 @@ def begin_lag(h, state, environment, work):  # type: ignore[no-untyped-def]
         environment: what ``pack_environment`` returned.
         work: workspace; writes WITHHELD [-] and CARRIED [N m].
     """
-    two = int(environment[COMMON, BITS]) & TWO_LAGS != 0
+    two = int(environment[BITS, 0]) & TWO_LAGS != 0
     for j in range(JOINTS):
         kept = environment[LAG, j] / (environment[LAG, j] + h)
         work[WITHHELD, j] = kept
@@ -113,7 +113,7 @@ def drive(width, share, environment, work):  # type: ignore[no-untyped-def]
         environment: what ``pack_environment`` returned.
         work: workspace; moves the lags of the current state on.
     """
-    two = int(environment[COMMON, BITS]) & TWO_LAGS != 0
+    two = int(environment[BITS, 0]) & TWO_LAGS != 0
     for j in range(JOINTS):
         command = work[COMMAND, j]
         left, passed, mean, mean_of_first = held_lag(width, environment[LAG, j])

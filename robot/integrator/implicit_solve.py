@@ -35,9 +35,7 @@ from slidetune.robot.kernels.workspace import (
     APPLIED,
     CARRIED,
     COMMAND,
-    ERRORS,
     F_SLOPE,
-    FLAGS,
     GAIN,
     GIVEN,
     HELD,
@@ -83,7 +81,7 @@ _PATIENCE = 20
 @kernel
 def _weight(j, inertia, work):  # type: ignore[no-untyped-def]
     """Return m_j: the inertia of a joint, in units of its load."""
-    if work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0:
+    if work[SHAPED, 0] != 0.0 and work[HOLD, 0] == 0.0:
         return inertia[j, j] / work[SHAPE + j, j]
     return inertia[j, j]
 
@@ -113,7 +111,7 @@ def _any_limited(h, inertia, environment, work):  # type: ignore[no-untyped-def]
 @kernel
 def _measure(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Write what all equations leave into RESIDUAL; return it as squared velocity [rad^2/s^2]."""
-    shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
+    shaped = work[SHAPED, 0] != 0.0 and work[HOLD, 0] == 0.0
     total = 0.0
     for i in range(JOINTS):
         left = 0.0
@@ -146,7 +144,7 @@ def _newton_direction(loose, h, state, inertia, environment, work):  # type: ign
     A joint that is held has only its torque to give: where limits leave fewer torques than joints
     are held, the matrix is singular. Then torques follow past their limits by the share ``loose``.
     """
-    shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
+    shaped = work[SHAPED, 0] != 0.0 and work[HOLD, 0] == 0.0
     for i in range(JOINTS):
         work[RIGHT, i] = -work[RESIDUAL, i]
         free, slope = 0.0, 0.0
@@ -183,7 +181,7 @@ def _sweep(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
 @kernel
 def _prepare(h, state, environment, work):  # type: ignore[no-untyped-def]
     """Write GIVEN and LOST: the torques that do not depend on the acceleration."""
-    shaped, held = work[FLAGS, SHAPED] != 0.0, work[FLAGS, HOLD] != 0.0
+    shaped, held = work[SHAPED, 0] != 0.0, work[HOLD, 0] != 0.0
     for i in range(JOINTS):
         if not held:
             given = work[TAU, i] - h * work[LEAKAGE, i] * work[NETWORK, i]
@@ -214,9 +212,9 @@ def _passed(h, state, inertia, bias, environment, work):  # type: ignore[no-unty
         slope, way = h * work[F_SLOPE, j], abs(work[ACCELERATION, j])
         before = bias[j] + work[F, j]
         start = 0.0 if work[S_FALL, j] == 0.0 else (work[S_FREE, j] - work[S, j]) / work[S_FALL, j]
-        if work[FLAGS, HOLD] != 0.0:
+        if work[HOLD, 0] != 0.0:
             before -= work[APPLIED, j]
-        elif work[FLAGS, SHAPED] != 0.0:
+        elif work[SHAPED, 0] != 0.0:
             before, slope = -work[REACH, j], work[S_FALL, j] * work[GAIN, j]
             way = abs(work[ACCELERATION, j] - start)
         else:
@@ -236,12 +234,12 @@ def _passed(h, state, inertia, bias, environment, work):  # type: ignore[no-unty
 @kernel
 def _keep_held_torque(h, state, inertia, bias, environment, work):  # type: ignore[no-untyped-def]
     """Write the command of joints that sign(S) holds on their surface into HELD_TORQUE."""
-    shaped, any_held = work[FLAGS, SHAPED] != 0.0, False
+    shaped, any_held = work[SHAPED, 0] != 0.0, False
     for j in range(JOINTS):
         any_held = any_held or work[SLIDING, j] != 0.0
     if not any_held:
         return
-    work[FLAGS, HELD] = 1.0
+    work[HELD, 0] = 1.0
     for j in range(JOINTS):
         if shaped:
             soft = _weight(j, inertia, work)
@@ -269,7 +267,7 @@ def curved_command(h, environment, inertia, work):  # type: ignore[no-untyped-de
     """
     for j in range(JOINTS):
         limit = environment[LIMIT, j]
-        if work[FLAGS, SHAPED] != 0.0:
+        if work[SHAPED, 0] != 0.0:
             work[COMMAND, j], _ = _shaped_torque(j, h, environment, inertia, work)
         elif work[SLIDING, j] != 0.0:
             work[COMMAND, j], _ = limited(work[HELD_TORQUE, j], limit)
@@ -295,7 +293,7 @@ def solve_curves(h, state, inertia, bias, environment, work):  # type: ignore[no
     Returns:
         What is left of the velocity in [rad/s]: at most ``SOLVED`` where it converged.
     """
-    shaped = work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0
+    shaped = work[SHAPED, 0] != 0.0 and work[HOLD, 0] == 0.0
     _prepare(h, state, environment, work)
     if shaped:
         for j in range(JOINTS):
@@ -347,6 +345,6 @@ def solve_curves(h, state, inertia, bias, environment, work):  # type: ignore[no
             break
         left = tried
     passed = _passed(h, state, inertia, bias, environment, work)
-    work[ERRORS, PASSED] = max(work[ERRORS, PASSED], passed)
+    work[PASSED, 0] = max(work[PASSED, 0], passed)
     _keep_held_torque(h, state, inertia, bias, environment, work)
     return left**0.5 if isfinite(left) else inf

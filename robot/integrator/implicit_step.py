@@ -36,9 +36,7 @@ from slidetune.robot.kernels.workspace import (
     CURVED,
     DELIVERED,
     DIAGONAL,
-    ERRORS,
     F_SLOPE,
-    FLAGS,
     FULL,
     HALF,
     HIDDEN,
@@ -61,7 +59,6 @@ from slidetune.robot.kernels.workspace import (
     S_FREE,
     SHAPED,
     STATE_ROWS,
-    TALLY,
     TAU,
     TRIAL,
     UNSOLVED,
@@ -70,7 +67,7 @@ from slidetune.robot.kernels.workspace import (
     V,
     W,
 )
-from slidetune.robot.laws.terms.switching import ALPHA, CODES, K2, REACHING_CODE, TWISTING
+from slidetune.robot.laws.terms.switching import ALPHA, K2, REACHING_CODE, TWISTING
 
 BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES = range(3)
 MAX_ANGLE = 100.0
@@ -94,17 +91,17 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
     Returns:
         What is left of the velocity in [rad/s].
     """
-    if work[FLAGS, SHAPED] != 0.0 and work[FLAGS, HOLD] == 0.0:
+    if work[SHAPED, 0] != 0.0 and work[HOLD, 0] == 0.0:
         solve(work)
     else:
         solve_symmetric(work)
-    work[FLAGS, CURVED] = BY_TANGENTS
+    work[CURVED, 0] = BY_TANGENTS
     if is_smooth(h, environment, work) or tangents_hold(h, state, inertia, environment, work):
         return 0.0
     if follow_tanh(h, inertia, bias, environment, work):
-        work[FLAGS, CURVED] = BY_NEW_TANGENTS
+        work[CURVED, 0] = BY_NEW_TANGENTS
         return 0.0
-    work[FLAGS, CURVED] = BY_CURVES
+    work[CURVED, 0] = BY_CURVES
     for j in range(JOINTS):
         work[ACCELERATION, j] = work[RIGHT, j]
     left = solve_curves(h, state, inertia, bias, environment, work)
@@ -116,11 +113,11 @@ def _solve(h, state, inertia, bias, environment, work):  # type: ignore[no-untyp
 @kernel
 def keep_command(h, inertia, environment, work):  # type: ignore[no-untyped-def]
     """Write the controller's torque at the end of the step just solved to COMMAND [N m]."""
-    if work[FLAGS, CURVED] == BY_CURVES:
+    if work[CURVED, 0] == BY_CURVES:
         curved_command(h, environment, inertia, work)
         return
     for j in range(JOINTS):
-        if work[FLAGS, CURVED] == BY_TANGENTS:
+        if work[CURVED, 0] == BY_TANGENTS:
             work[COMMAND, j] = final_torque(h, j, work)
         else:
             # Its last tangents are not those of the beginning.
@@ -159,13 +156,13 @@ def implicit_step(h, state, into, inertia, bias, environment, work):  # type: ig
         What the equation leaves of the velocity in [rad/s]; above ``SOLVED`` it did not converge.
     """
     work, inertia = workspace(work), square(inertia)
-    work[FLAGS, HOLD] = 0.0
+    work[HOLD, 0] = 0.0
     lagging = lags(environment)
     if lagging:
         begin_lag(h, state, environment, work)
     else:
         without_lag(work)
-    if work[CURVE + CODES, REACHING_CODE] == TWISTING:
+    if work[CURVE + REACHING_CODE, 0] == TWISTING:
         for j in range(JOINTS):
             work[CURVE + K2, j] = h * work[CURVE + ALPHA, j]
     fill(h, state, inertia, bias, work)
@@ -202,7 +199,7 @@ def arm_step(h, inertia, bias, environment, work):  # type: ignore[no-untyped-de
         work[MATRIX + i, i] += h * work[F_SLOPE, i]
         work[DIAGONAL, i] = work[MATRIX + i, i]
         work[RIGHT, i] = work[APPLIED, i] - bias[i] - work[F, i]
-    work[FLAGS, HOLD] = 1.0
+    work[HOLD, 0] = 1.0
     # A sum is no constant to numba, which compiles what is called anew for each of those.
     left = _solve(h, CURRENT + Q, inertia, bias, environment, work)
     for j in range(JOINTS):
@@ -219,15 +216,15 @@ def unsolved(left, tolerance, work):  # type: ignore[no-untyped-def]
     Args:
         left: what the equation left of the velocity in [rad/s].
         tolerance: ``inf`` where the step can't be cut any further: then it is counted.
-        work: workspace; reads RESIGNED, writes TALLY.
+        work: workspace; reads RESIGNED, writes UNSOLVED and LEFT.
     """
     if left <= SOLVED:
         return False
-    if tolerance != inf and work[ERRORS, RESIGNED] == 0.0:
+    if tolerance != inf and work[RESIGNED, 0] == 0.0:
         return True
-    work[TALLY, UNSOLVED] += 1.0
+    work[UNSOLVED, 0] += 1.0
     # What has no end freezes the lane, and is told there.
-    work[TALLY, LEFT] = max(work[TALLY, LEFT], min(left, MAX_VELOCITY))
+    work[LEFT, 0] = max(work[LEFT, 0], min(left, MAX_VELOCITY))
     return False
 
 
@@ -243,8 +240,8 @@ def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
         tolerance: up to where the step is accepted, and its C kept for the next one.
         work: workspace; reads FULL, HALF and the C of the step before.
     """
-    square, worst = h * h, work[ERRORS, PASSED] * (1.0 / TOLERANCE_V)
-    known, inverse = square * work[TALLY, KNOWN], 1.0 / square
+    square, worst = h * h, work[PASSED, 0] * (1.0 / TOLERANCE_V)
+    known, inverse = square * work[KNOWN, 0], 1.0 / square
     for j in range(JOINTS):
         change_q = work[HALF + Q, j] - work[FULL + Q, j]
         change_v = work[HALF + V, j] - work[FULL + V, j]
@@ -255,7 +252,7 @@ def step_error(h, tolerance, work):  # type: ignore[no-untyped-def]
         for j in range(JOINTS):
             work[CHANGE_Q, j] = inverse * (work[HALF + Q, j] - work[FULL + Q, j])
             work[CHANGE_V, j] = inverse * (work[HALF + V, j] - work[FULL + V, j])
-        work[TALLY, KNOWN] = 1.0
+        work[KNOWN, 0] = 1.0
     return worst
 
 

@@ -19,7 +19,6 @@ from slidetune.robot.kernels.workspace import (
     CARRIED,
     CURVE,
     CURVE_ROWS,
-    FLAGS,
     GAIN,
     GIVEN,
     HOLD,
@@ -43,7 +42,6 @@ from slidetune.robot.kernels.workspace import (
     V,
 )
 from slidetune.robot.laws.terms.switching import (
-    CODES,
     IS_REACHING,
     K2,
     POWER,
@@ -70,7 +68,7 @@ def reaching_at(s, j, work):  # type: ignore[no-untyped-def]
     REACH and GAIN itself is taken to be linear in S.
     """
     curve = work[CURVE : CURVE + CURVE_ROWS]
-    if curve[CODES, IS_REACHING] == 0.0:
+    if curve[IS_REACHING, 0] == 0.0:
         return work[REACH, j] + work[GAIN, j] * (s - work[S, j]), work[GAIN, j]
     return reaching(curve, j, s)
 
@@ -123,7 +121,7 @@ def shaped_reaching(value, fall, a, j, h, state, work):  # type: ignore[no-untyp
         state: first row of the state from which the step starts.
         work: workspace; reads the TERMINAL rows where BENDS is set.
     """
-    if work[FLAGS, BENDS] == 0.0:
+    if work[BENDS, 0] == 0.0:
         return value, fall
     nu, ratio, before = work[S_E, j], work[TERMINAL_RATIO, j], work[VD, j] - work[state + V, j]
     de = before + h * (work[AD, j] - a)
@@ -142,12 +140,12 @@ def joint_curve(a, j, h, state, bias, environment, work):  # type: ignore[no-unt
     Where SHAPE spreads the reaching law over all joints, it is the reaching law alone; only there
     its slope may be negative.
     """
-    if work[FLAGS, HOLD] != 0.0:
+    if work[HOLD, 0] != 0.0:
         torque, slope = lost_torque(a, j, h, state, environment, work)
         return bias[j] + torque - work[APPLIED, j], slope
     s, fall = work[S_FREE, j] - work[S_FALL, j] * a, work[S_FALL, j]
     value, steepness = reaching_at(s, j, work)
-    if work[FLAGS, SHAPED] != 0.0:
+    if work[SHAPED, 0] != 0.0:
         value, slope = shaped_reaching(value, fall * steepness, a, j, h, state, work)
         return -value, slope
     learning = h * work[NETWORK_SLOPE, j]
@@ -164,13 +162,13 @@ def _jump(j, h, state, bias, environment, work):  # type: ignore[no-untyped-def]
     Only sign(S) jumps; ``inf`` says that there is none.
     """
     curve, fall = work[CURVE : CURVE + CURVE_ROWS], work[S_FALL, j]
-    jumps = curve[CODES, IS_REACHING] != 0.0 and curve[CODES, SWITCHING_CODE] == SIGN
-    if not jumps or curve[CODES, REACHING_CODE] == POWER or fall == 0.0:
+    jumps = curve[IS_REACHING, 0] != 0.0 and curve[SWITCHING_CODE, 0] == SIGN
+    if not jumps or curve[REACHING_CODE, 0] == POWER or fall == 0.0:
         return inf, 0.0, 0.0
-    if work[FLAGS, HOLD] != 0.0:
+    if work[HOLD, 0] != 0.0:
         return inf, 0.0, 0.0
     a, k2 = work[S_FREE, j] / fall, curve[K2, j]
-    if work[FLAGS, SHAPED] != 0.0:
+    if work[SHAPED, 0] != 0.0:
         before, _ = shaped_reaching(k2, 0.0, a, j, h, state, work)
         after, _ = shaped_reaching(-k2, 0.0, a, j, h, state, work)
         return a, -before, -after

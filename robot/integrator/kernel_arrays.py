@@ -18,7 +18,7 @@ from numba.np.numpy_support import carray
 
 from slidetune.robot.arm.dynamics import ChainDynamics, Dynamics
 from slidetune.robot.arm.recursion import CHAIN_COLUMNS, SCRATCH_COLUMNS, chain_dynamics
-from slidetune.robot.environment.layout import ENVIRONMENT_SHAPE
+from slidetune.robot.environment.layout import ENVIRONMENT_ROWS
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import (
     Advance,
@@ -33,8 +33,10 @@ from slidetune.robot.integrator.law_call import (
     compiled_law,
 )
 from slidetune.robot.kernels.compiler import inlined, kernel
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.known_shape import as_floats
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS, Q, V
+from slidetune.robot.kernels.workspace import RECORD as GROUPS
+from slidetune.robot.kernels.workspace import WORK_ROWS, Q, V
 
 Array = np.ndarray
 
@@ -50,9 +52,6 @@ TRAJECTORY_SIZE, GAIN_ROWS, RECORD_ROWS, COMMAND_ROWS, DELAY_PERIODS = range(18,
 # Numbers as float64.
 STEP, PERIOD, TOLERANCE, DELAY_SUBSTEPS = range(23, 27)
 SIZE = 27
-CHAIN_SHAPE = (JOINTS + 1, CHAIN_COLUMNS)
-SCRATCH_SHAPE = (JOINTS, SCRATCH_COLUMNS)
-NO_COMMANDS = np.empty((0, JOINTS))
 
 
 class _Kept:
@@ -76,7 +75,7 @@ def kernel_table(
     network: bool = True,
     step: float = 0.0,
     period: float = 0.0,
-    commands: Array = NO_COMMANDS,
+    commands: Array | None = None,
     delay: tuple[int, float] = (0, 0.0),
 ) -> Array:
     """Return the table of a lane's arrays; they live as long as it does.
@@ -84,35 +83,37 @@ def kernel_table(
     Args:
         truth: the true arm.
         nominal: the nominal arm of a model-based law.
-        gains: numbers of the lane's law. Shape (n, 6).
+        gains: numbers of the lane's law. Shape (m, n).
         environment: what ``pack_environment`` returned.
         trajectory: what ``pack_trajectory`` returned. Shape (m,).
         work: the lane's workspace.
-        record: rows to write. Shape (k, 48).
+        record: rows to write. Shape (k, 8, n).
         control: the lane's law; ``None`` for kernels that do without.
         advance: what moves its memory on; ``None`` where it has none.
         network: whether the rows W of the state may hold weights: they are recorded as such.
         step: step of the arm in [s]. It and TOLERANCE, how many times its tolerance the error of a
             step may be, can be changed in the table.
         period: control period of sampled mode in [s].
-        commands: memory for the torques that wait for the input delay to pass. Shape (k, 6).
+        commands: memory for the torques that wait for the input delay to pass. Shape (k, n).
         delay: the input delay: control periods, and steps of the arm.
 
     Raises:
         ValueError: if an array is not one block of float64, or has another shape.
     """
-    square, line = (JOINTS, JOINTS), (JOINTS,)
+    joints = len(truth.bias)
+    square, line = (joints, joints), (joints,)
+    commands = np.empty((0, joints)) if commands is None else commands
     shaped = (
         (truth.inertia, square),
         (truth.bias, line),
         (nominal.inertia, square),
         (nominal.bias, line),
-        (gains, (len(gains), JOINTS)),
-        (environment, ENVIRONMENT_SHAPE),
+        (gains, (len(gains), joints)),
+        (environment, (ENVIRONMENT_ROWS, joints)),
         (trajectory, (len(trajectory),)),
-        (work, (WORK_ROWS, JOINTS)),
-        (record, (len(record), RECORD_COLUMNS)),
-        (commands, (len(commands), JOINTS)),
+        (work, (WORK_ROWS, joints)),
+        (record, (len(record), len(GROUPS), joints)),
+        (commands, (len(commands), joints)),
     )
     for array, shape in shaped:
         if array.shape != shape or array.dtype != np.float64 or not array.flags.c_contiguous:
@@ -134,12 +135,12 @@ def kernel_table(
         table[NOMINAL_CHAIN] = nominal.chain.ctypes.data
     called, called_after = None, None
     if control is not None:
-        table[COMPILED_LAW] = compiled_law(control)
+        table[COMPILED_LAW] = compiled_law(for_joints(control, joints))
         if not table[COMPILED_LAW]:
             called = callback(control, gains, nominal.inertia, nominal.bias, work)
             table[LAW_CALLBACK] = ctypes.cast(called, ctypes.c_void_p).value or 0
     if advance is not None:
-        table[ADVANCE] = compiled_advance(advance)
+        table[ADVANCE] = compiled_advance(for_joints(advance, joints))
         if not table[ADVANCE]:
             called_after = advance_callback(advance, gains, nominal.inertia, nominal.bias, work)
             table[ADVANCE] = ctypes.cast(called_after, ctypes.c_void_p).value or 0
@@ -173,10 +174,10 @@ def loop_arrays(table):  # type: ignore[no-untyped-def]
     return (
         carray(_pointer(table[INERTIA]), (JOINTS, JOINTS), np.float64),
         carray(_pointer(table[BIAS]), (JOINTS,), np.float64),
-        carray(_pointer(table[ENVIRONMENT]), ENVIRONMENT_SHAPE, np.float64),
+        carray(_pointer(table[ENVIRONMENT]), (ENVIRONMENT_ROWS, JOINTS), np.float64),
         carray(_pointer(table[TRAJECTORY]), (table[TRAJECTORY_SIZE],), np.float64),
         carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64),
-        carray(_pointer(table[RECORD]), (table[RECORD_ROWS], RECORD_COLUMNS), np.float64),
+        carray(_pointer(table[RECORD]), (table[RECORD_ROWS], len(GROUPS), JOINTS), np.float64),
     )
 
 
@@ -236,8 +237,8 @@ def move_memory(h, state, into, table):  # type: ignore[no-untyped-def]
 @kernel
 def evaluate_arm(state, table):  # type: ignore[no-untyped-def]
     """Write M and h of the true arm at the state whose first row is ``state``, by its chain."""
-    chain = carray(_pointer(table[CHAIN]), CHAIN_SHAPE, np.float64)
-    scratch = carray(_pointer(table[SCRATCH]), SCRATCH_SHAPE, np.float64)
+    chain = carray(_pointer(table[CHAIN]), (JOINTS + 1, CHAIN_COLUMNS), np.float64)
+    scratch = carray(_pointer(table[SCRATCH]), (JOINTS, SCRATCH_COLUMNS), np.float64)
     inertia = carray(_pointer(table[INERTIA]), (JOINTS, JOINTS), np.float64)
     bias = carray(_pointer(table[BIAS]), (JOINTS,), np.float64)
     work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)
@@ -248,8 +249,8 @@ def evaluate_arm(state, table):  # type: ignore[no-untyped-def]
 def evaluate_nominal(angles, velocities, table):  # type: ignore[no-untyped-def]
     """Write M and h of the nominal arm, where that is another one, at two rows of the workspace."""
     if table[NOMINAL_CHAIN] != 0:
-        chain = carray(_pointer(table[NOMINAL_CHAIN]), CHAIN_SHAPE, np.float64)
-        scratch = carray(_pointer(table[SCRATCH]), SCRATCH_SHAPE, np.float64)
+        chain = carray(_pointer(table[NOMINAL_CHAIN]), (JOINTS + 1, CHAIN_COLUMNS), np.float64)
+        scratch = carray(_pointer(table[SCRATCH]), (JOINTS, SCRATCH_COLUMNS), np.float64)
         inertia = carray(_pointer(table[NOMINAL_INERTIA]), (JOINTS, JOINTS), np.float64)
         bias = carray(_pointer(table[NOMINAL_BIAS]), (JOINTS,), np.float64)
         work = carray(_pointer(table[WORK]), (WORK_ROWS, JOINTS), np.float64)

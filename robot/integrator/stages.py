@@ -47,8 +47,6 @@ from slidetune.robot.kernels.workspace import (
     DISTURBANCE,
     DISTURBANCE_HALF,
     EDGE,
-    ERRORS,
-    FLAGS,
     FULL,
     HALF,
     HELD,
@@ -115,14 +113,14 @@ def write_record(row, weights, environment, work, record):  # type: ignore[no-un
             work[TRIAL, j] += work[CURRENT + W + n, j] * work[CURRENT + W + n, j]
     for j in range(JOINTS):
         limit = environment[LIMIT, j]
-        record[row, R_Q + j] = work[CURRENT + Q, j]
-        record[row, R_V + j] = work[CURRENT + V, j]
-        record[row, R_TAU + j] = min(max(work[TAU, j], -limit), limit)
-        record[row, R_S + j] = work[S, j]
-        record[row, R_F + j] = work[NETWORK, j]
-        record[row, R_WEIGHTS + j] = work[TRIAL, j] ** 0.5
-        record[row, R_QD + j] = work[QD, j]
-        record[row, R_VD + j] = work[VD, j]
+        record[row, R_Q, j] = work[CURRENT + Q, j]
+        record[row, R_V, j] = work[CURRENT + V, j]
+        record[row, R_TAU, j] = min(max(work[TAU, j], -limit), limit)
+        record[row, R_S, j] = work[S, j]
+        record[row, R_F, j] = work[NETWORK, j]
+        record[row, R_WEIGHTS, j] = work[TRIAL, j] ** 0.5
+        record[row, R_QD, j] = work[QD, j]
+        record[row, R_VD, j] = work[VD, j]
 
 
 @kernel
@@ -148,17 +146,17 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
             bad = _remember(0.5 * h, state, state, table)
             if bad != 0:
                 return bad
-        work[ERRORS, WRONG] = step_error(h, tolerance, work)
-        if work[ERRORS, WRONG] > tolerance:
+        work[WRONG, 0] = step_error(h, tolerance, work)
+        if work[WRONG, 0] > tolerance:
             return REFUSED
         return accept(second, lags(environment), work)
     if row >= 0:
         write_record(row, table[HAS_WEIGHTS], environment, work, record)
-    if work[ERRORS, EDGE] != 0.0 and tolerance != inf:
+    if work[EDGE, 0] != 0.0 and tolerance != inf:
         return REFUSED
-    work[FLAGS, HELD], work[ERRORS, PASSED] = 0.0, 0.0
+    work[HELD, 0], work[PASSED, 0] = 0.0, 0.0
     left = implicit_step(h, state, state + FULL, inertia, bias, environment, work)
-    if row >= 0 and work[FLAGS, HELD] != 0.0:
+    if row >= 0 and work[HELD, 0] != 0.0:
         _record_held_torque(row, work, record)
     if unsolved(left, tolerance, work):
         return STUCK
@@ -167,7 +165,7 @@ def _finish(stage, state, row, table):  # type: ignore[no-untyped-def]
         if bad != 0:
             return bad
     if stage == PLAIN:
-        if work[ERRORS, PASSED] > tolerance * TOLERANCE_V:
+        if work[PASSED, 0] > tolerance * TOLERANCE_V:
             return REFUSED
         return accept(second, lags(environment), work)
     if changes_within_a_step(environment):
@@ -189,7 +187,7 @@ def _record_held_torque(row, work, record):  # type: ignore[no-untyped-def]
     """Record the torque that holds a joint on S = 0: sign(S) alone does not tell it there."""
     for j in range(JOINTS):
         if work[SLIDING, j] != 0.0:
-            record[row, R_TAU + j] = work[HELD_TORQUE, j]
+            record[row, R_TAU, j] = work[HELD_TORQUE, j]
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf, tanh
 
 from slidetune.robot.environment.external_torque import COULOMB_WIDTH
-from slidetune.robot.environment.layout import BITS, COMMON, COULOMB, KINKS, LAGS, LIMIT
+from slidetune.robot.environment.layout import BITS, COULOMB, KINKS, LAGS, LIMIT
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.joint_curve import reaching_at, shaped_reaching
 from slidetune.robot.kernels.compiler import inlined, kernel
@@ -21,7 +21,6 @@ from slidetune.robot.kernels.workspace import (
     DIAGONAL,
     DRIFT,
     F_SLOPE,
-    FLAGS,
     GAIN,
     HOLD,
     LEAKAGE,
@@ -47,7 +46,6 @@ from slidetune.robot.kernels.workspace import (
     V,
 )
 from slidetune.robot.laws.terms.switching import (
-    CODES,
     EPSILON,
     IS_REACHING,
     K2,
@@ -77,7 +75,7 @@ def fill(h, state, inertia, bias, work):  # type: ignore[no-untyped-def]
         work: workspace with the evaluation at ``state``; writes MATRIX, of which only SHAPE fills
             the lower half, DIAGONAL, RIGHT, S_FREE and S_FALL.
     """
-    shaped = work[FLAGS, SHAPED] != 0.0
+    shaped = work[SHAPED, 0] != 0.0
     for i in range(JOINTS):
         for j in range(0 if shaped else i, JOINTS):
             work[MATRIX + i, j] = inertia[i, j]
@@ -121,7 +119,7 @@ def _reaching_missed(h, state, j, work):  # type: ignore[no-untyped-def]
     change = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j] - work[S, j]
     value, slope = reaching_at(work[S, j] + change, j, work)
     fall = work[S_FALL, j] * slope
-    if work[FLAGS, SHAPED] != 0.0:
+    if work[SHAPED, 0] != 0.0:
         value, fall = shaped_reaching(value, fall, work[RIGHT, j], j, h, state, work)
     missed = abs(value - work[REACH, j] - work[GAIN, j] * change)
     return missed, min(0.0, fall - work[GAIN, j] * work[S_FALL, j])
@@ -155,12 +153,12 @@ def is_smooth(h, environment, work):  # type: ignore[no-untyped-def]
         environment: what ``pack_environment`` returned.
         work: workspace with what ``fill`` wrote and the solution in RIGHT.
     """
-    if int(environment[COMMON, BITS]) & KINKS:
+    if int(environment[BITS, 0]) & KINKS:
         return False
-    if work[FLAGS, HOLD] != 0.0 or work[CURVE + CODES, IS_REACHING] == 0.0:
+    if work[HOLD, 0] != 0.0 or work[CURVE + IS_REACHING, 0] == 0.0:
         return True
-    smooth = work[CURVE + CODES, SWITCHING_CODE] == TANH
-    if not smooth or work[CURVE + CODES, REACHING_CODE] == POWER:
+    smooth = work[CURVE + SWITCHING_CODE, 0] == TANH
+    if not smooth or work[CURVE + REACHING_CODE, 0] == POWER:
         return False
     for j in range(JOINTS):
         change = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j] - work[S, j]
@@ -181,8 +179,8 @@ def tangents_hold(h, state, inertia, environment, work):  # type: ignore[no-unty
         environment: what ``pack_environment`` returned.
         work: workspace with what ``fill`` wrote and the solution in RIGHT [rad/s^2].
     """
-    shaped, held = work[FLAGS, SHAPED] != 0.0, work[FLAGS, HOLD] != 0.0
-    bends = not held and work[CURVE + CODES, IS_REACHING] != 0.0
+    shaped, held = work[SHAPED, 0] != 0.0, work[HOLD, 0] != 0.0
+    bends = not held and work[CURVE + IS_REACHING, 0] != 0.0
     for j in range(JOINTS):
         size, wrong = work[DIAGONAL, j], 0.0
         if bends:
@@ -207,9 +205,9 @@ def final_torque(h, j, work):  # type: ignore[no-untyped-def]
     torque = work[TAU, j] - h * work[LEAKAGE, j] * work[NETWORK, j]
     torque += h * work[NETWORK_SLOPE, j] * (work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j])
     for k in range(JOINTS):
-        if k == j or work[FLAGS, SHAPED] != 0.0:
+        if k == j or work[SHAPED, 0] != 0.0:
             change = work[S_FREE, k] - work[S_FALL, k] * work[RIGHT, k] - work[S, k]
-            share = work[SHAPE + j, k] if work[FLAGS, SHAPED] != 0.0 else 1.0
+            share = work[SHAPE + j, k] if work[SHAPED, 0] != 0.0 else 1.0
             torque += share * work[GAIN, k] * change
     return torque
 
@@ -230,12 +228,12 @@ def follow_tanh(h, inertia, bias, environment, work):  # type: ignore[no-untyped
         work: workspace with what ``fill`` wrote and the first solution in RIGHT [rad/s^2], which
             becomes the answer.
     """
-    if int(environment[COMMON, BITS]) & (KINKS | LAGS) or work[FLAGS, HOLD] != 0.0:
+    if int(environment[BITS, 0]) & (KINKS | LAGS) or work[HOLD, 0] != 0.0:
         return False
-    if work[CURVE + CODES, IS_REACHING] == 0.0 or work[FLAGS, SHAPED] != 0.0:
+    if work[CURVE + IS_REACHING, 0] == 0.0 or work[SHAPED, 0] != 0.0:
         return False
-    smooth = work[CURVE + CODES, SWITCHING_CODE] == TANH
-    if not smooth or work[CURVE + CODES, REACHING_CODE] == POWER:
+    smooth = work[CURVE + SWITCHING_CODE, 0] == TANH
+    if not smooth or work[CURVE + REACHING_CODE, 0] == POWER:
         return False
     for j in range(JOINTS):
         s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]

@@ -112,17 +112,22 @@ _WARM = CACHE / "warm"
 numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
 
 
-_all: list[Any] = []
+_compilers: dict[Any, Callable[[Any], Any]] = {}
+"""By compiled function, what compiled it."""
 
 
-def _listed(compiled: Any) -> Any:
-    _all.append(compiled)
-    return compiled
+def compiler_of(function: Any) -> Callable[[Any], Any] | None:
+    """Return what has compiled a function, ``None`` for one that isn't compiled."""
+    try:
+        return _compilers.get(function)
+    except TypeError:  # not to be looked up: no function at all
+        return None
 
 
 def compiled_count() -> tuple[int, int]:
     """Return how many kernels are compiled in this process, and how many there are."""
-    return sum(bool(one.signatures) for one in _all), len(_all)
+    listed = [one for one, how in list(_compilers.items()) if how is not part]
+    return sum(bool(one.signatures) for one in listed), len(listed)
 
 
 def kernel(function: Function) -> Function:
@@ -131,23 +136,29 @@ def kernel(function: Function) -> Function:
     It keeps the interpreter's lock: it ends long before another thread would be given a turn, and
     a thread that steps in real time would have to ask for the lock again after each call.
     """
-    return cast(Function, _listed(numba.njit(cache=True, **_OPTIONS)(function)))
+    return cast(Function, _listed(kernel, numba.njit(cache=True, **_OPTIONS)(function)))
 
 
 def released(function: Function) -> Function:
     """Do the same for a function that takes long: it lets other threads run meanwhile."""
-    return cast(Function, _listed(numba.njit(cache=True, nogil=True, **_OPTIONS)(function)))
+    return cast(
+        Function, _listed(released, numba.njit(cache=True, nogil=True, **_OPTIONS)(function))
+    )
 
 
 def inlined(function: Function) -> Function:
     """Compile ``function`` into every kernel that calls it: for what is small and called often."""
-    return cast(Function, _listed(numba.njit(forceinline=True, **_OPTIONS)(function)))
+    return cast(Function, _listed(inlined, numba.njit(forceinline=True, **_OPTIONS)(function)))
 
 
 def part(function: Function) -> Function:
     """Write ``function`` out in the one kernel that calls it: for what is large and has a name."""
-    written_out: Any = numba.njit(inline="always", **_OPTIONS)(function)
-    return cast(Function, written_out)
+    return cast(Function, _listed(part, numba.njit(inline="always", **_OPTIONS)(function)))
+
+
+def _listed(compiler: Callable[[Any], Any], compiled: Any) -> Any:
+    _compilers[compiled] = compiler
+    return compiled
 
 
 def is_warm() -> bool:

@@ -1,14 +1,15 @@
 """Rows of the arrays that the compiled kernels share.
 
-A numba call pays for every argument, so that one lane's numbers live in few arrays of six columns,
-one column a joint. This module names their rows; nothing else knows where a number lies.
+A numba call pays for every argument, so that one lane's numbers live in few arrays, one column a
+joint. This module names their rows; nothing else knows where a number lies. Rows are the same for
+every arm; a number that belongs to no joint has a row of its own and stands in column 0.
 """
 
 from __future__ import annotations
 
 from itertools import accumulate
 
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.fields.quantity import MOST_JOINTS
 
 NODES = 10
 """Gaussians per joint (*published*)."""
@@ -45,26 +46,24 @@ MEASURED_Q = QD + 15  # angle that the controller sees [rad]
 MEASURED_V = QD + 16  # velocity that the controller sees [rad/s]
 APPLIED = QD + 17  # torque that reaches the joints [N m]
 REACH = QD + 18  # reaching law, before SHAPE [N m, or rad/s^2 where SHAPE is an inertia]
-FLAGS = QD + 19  # columns SHAPED to PERIOD below
-HIDDEN = QD + 20  # hidden outputs, NODES rows
-SHAPE = HIDDEN + NODES  # 6 x 6 matrix between reaching law and torque, where SHAPED is set
-CURVE = SHAPE + JOINTS  # the reaching law itself, CURVE_ROWS rows: see laws/terms/switching.py
-CURVE_ROWS = 5
+SHAPED = QD + 19  # whether SHAPE is in use
+HOLD = QD + 20  # whether the torque is APPLIED, held, whatever S does
+HELD = QD + 21  # whether a joint is SLIDING
+BENDS = QD + 22  # whether SHAPE is divided by S_V and so changes with the velocity
+CURVED = QD + 23  # how the step was solved: BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES
+PERIOD = QD + 24  # control period [s], 0 in continuous mode
+HIDDEN = QD + 25  # hidden outputs, NODES rows
+SHAPE = HIDDEN + NODES  # n x n matrix between reaching law and torque, where SHAPED is set
+CURVE = SHAPE + MOST_JOINTS  # the reaching law itself, CURVE_ROWS: see laws/terms/switching.py
+CURVE_ROWS = 7
 TERMINAL_C = CURVE + CURVE_ROWS  # c of the terminal surface, where BENDS is set
 TERMINAL_MU = TERMINAL_C + 1  # its mu
 TERMINAL_RATIO = TERMINAL_C + 2  # its p/k
 DRIFT = TERMINAL_C + 3  # rate at which S changes apart from the motion [rad/s^2]
 
-SHAPED = 0  # column of FLAGS: whether SHAPE is in use
-HOLD = 1  # column of FLAGS: whether the torque is APPLIED, held, whatever S does
-HELD = 2  # column of FLAGS: whether a joint is SLIDING
-CURVED = 4  # column of FLAGS: how the step was solved: BY_TANGENTS, BY_NEW_TANGENTS, BY_CURVES
-BENDS = 3  # column of FLAGS: whether SHAPE is divided by S_V and so changes with the velocity
-PERIOD = 5  # column of FLAGS: control period [s], 0 in continuous mode
-
 # --- one implicit step ---------------------------------------------------------------------------
-MATRIX = DRIFT + 1  # 6 x 6 system matrix
-RIGHT = MATRIX + JOINTS  # its right-hand side
+MATRIX = DRIFT + 1  # n x n system matrix
+RIGHT = MATRIX + MOST_JOINTS  # its right-hand side
 DIAGONAL = RIGHT + 1  # its diagonal, before elimination
 ACCELERATION = RIGHT + 2  # a: acceleration over the step [rad/s^2]
 S_FREE = RIGHT + 3  # S at the end of the step if a were 0 [rad/s]
@@ -89,27 +88,23 @@ REACHED = RIGHT + 20  # what sign(S) gives a joint that it holds on S = 0, befor
 # --- what a lane remembers of its steps ----------------------------------------------------------
 CHANGE_Q = REACHED + 1  # (y_half - y_full)/h^2 of the last accepted step, angles [rad/s^2]
 CHANGE_V = CHANGE_Q + 1  # the same of the velocities [rad/s^3]
-TALLY = CHANGE_Q + 2  # columns below
-MEMORY_ROWS = 3  # CHANGE_Q to TALLY: what a lane's next step depends on besides its state
-ERRORS = CHANGE_Q + 3  # columns below
-OBSERVED = CHANGE_Q + 4  # r: estimate of a disturbance observer of -F [N m]
-WORK_ROWS = CHANGE_Q + 5
+KNOWN = CHANGE_Q + 2  # whether CHANGE holds something
+UNSOLVED = CHANGE_Q + 3  # steps whose equation was not solved to its tolerance
+LEFT = CHANGE_Q + 4  # what the equations of one step left at most [rad/s]
+CAPPED = CHANGE_Q + 5  # rows in which the step was not cut as far as its error asked
+CUT = CHANGE_Q + 6  # rows in which the step was cut
+MEMORY_ROWS = 7  # CHANGE_Q to CUT: what a lane's next step depends on besides its state
+WRONG = CHANGE_Q + 7  # error of the last step as a multiple of what it may be
+OVER = CHANGE_Q + 8  # the same of the parts of a row that could not be cut further
+PASSED = CHANGE_Q + 9  # velocity that a passage through a thin layer leaves open [rad/s]
+EDGE = CHANGE_Q + 10  # whether a pulse begins or ends within the step
+RESIGNED = CHANGE_Q + 11  # whether a step that isn't solved may not be cut any more
+OBSERVED = CHANGE_Q + 12  # r: estimate of a disturbance observer of -F [N m]
+WORK_ROWS = CHANGE_Q + 13
 
-KNOWN = 0  # column of TALLY: whether CHANGE holds something
-UNSOLVED = 1  # column of TALLY: steps whose equation was not solved to its tolerance
-LEFT = 2  # column of TALLY: what the equations of one step left at most [rad/s]
-CAPPED = 3  # column of TALLY: rows in which the step was not cut as far as its error asked
-CUT = 4  # column of TALLY: rows in which the step was cut
-WRONG = 0  # column of ERRORS: error of the last step as a multiple of what it may be
-PASSED = 2  # column of ERRORS: velocity that a passage through a thin layer leaves open [rad/s]
-EDGE = 3  # column of ERRORS: whether a pulse begins or ends within the step
-RESIGNED = 4  # column of ERRORS: whether a step that isn't solved may not be cut any more
-OVER = 1  # column of ERRORS: the same of the parts of a row that could not be cut further
-
-# --- one recorded row of a lane: groups of six columns -----------------------------------------
+# --- one recorded row of a lane: groups, each with a number a joint -----------------------------
 RECORD = ("q", "v", "tau", "S", "f", "weights", "q_d", "v_d")
-RECORD_COLUMNS = len(RECORD) * JOINTS
-R_Q, R_V, R_TAU, R_S, R_F, R_WEIGHTS, R_QD, R_VD = range(0, RECORD_COLUMNS, JOINTS)
+R_Q, R_V, R_TAU, R_S, R_F, R_WEIGHTS, R_QD, R_VD = range(len(RECORD))
 
 
 # --- the gains of a lane: blocks of rows, one below the other ------------------------------------

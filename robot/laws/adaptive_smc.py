@@ -11,7 +11,6 @@ from slidetune.robot.kernels.compiler import inlined, kernel
 from slidetune.robot.kernels.workspace import (
     CURVE,
     CURVE_ROWS,
-    FLAGS,
     GAIN,
     NETWORK,
     PERIOD,
@@ -38,7 +37,6 @@ from slidetune.robot.laws.terms.observer import (
 )
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import (
-    CODES,
     EPSILON,
     IMPLICIT,
     K2,
@@ -112,12 +110,12 @@ class AdaptiveSmc(LinearSurface, ShapedReachingGains, ObserverGains):
         meaning="Rate at which k₂ changes, per |S|; 0 keeps it.",
     )
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (10, 6)."""
-        adaptation = np.empty((2, JOINTS))
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (10, n)."""
+        adaptation = np.empty((2, joints))
         adaptation[LEAST], adaptation[RATE] = self.k2_min, self.adaptation_rate
-        own = self.pack_surface(), self.pack_reaching(), adaptation
-        return np.vstack([*own, self.pack_observer()])
+        own = self.pack_surface(joints), self.pack_reaching(joints), adaptation
+        return np.vstack([*own, self.pack_observer(joints)])
 
 
 @inlined
@@ -148,7 +146,7 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     for j in range(JOINTS):
         curve[K2, j] = _bounded(work[state + SWITCHING_GAIN, j], j, gains)
         work[REACH, j], work[GAIN, j] = reaching(curve, j, work[S, j])
-    if curve[CODES, SWITCHING_CODE] == IMPLICIT:
+    if curve[SWITCHING_CODE, 0] == IMPLICIT:
         implicit_reach_shaped(work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
@@ -169,7 +167,7 @@ def advance(h, state, into, gains, nominal_M, nominal_nle, work):  # type: ignor
     """
     for j in range(JOINTS):
         s = work[S, j]
-        if work[FLAGS, PERIOD] == 0.0:
+        if work[PERIOD, 0] == 0.0:
             s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
         rate = gains[ADAPTATION][RATE, j] * abs(s)
         if abs(s) < gains[REACHING][EPSILON, j]:

@@ -8,18 +8,7 @@ import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, field
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import (
-    AD,
-    BENDS,
-    FLAGS,
-    GAIN,
-    REACH,
-    SHAPE,
-    SHAPED,
-    TAU,
-    S,
-    stacked,
-)
+from slidetune.robot.kernels.workspace import AD, BENDS, GAIN, REACH, SHAPE, SHAPED, TAU, S, stacked
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import no_network
 from slidetune.robot.laws.terms.observer import (
@@ -66,11 +55,11 @@ class ComputedTorque(ObserverGains):
         meaning="Damping per unit of inertia; 2√k_p is critical damping.",
     )
 
-    def pack(self) -> Array:
-        """Return kp/kd, kd and the observer's gains. Shape (4, 6)."""
-        block = np.empty((2, JOINTS))
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return kp/kd, kd and the observer's gains. Shape (4, n)."""
+        block = np.empty((2, joints))
         block[RATIO], block[KD] = np.divide(self.kp, self.kd), self.kd
-        return np.vstack([block, self.pack_observer()])
+        return np.vstack([block, self.pack_observer(joints)])
 
 
 @kernel
@@ -90,7 +79,7 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     """
     linear_surface(gains[:LINEAR_ROWS], work)
     no_network(work)
-    work[FLAGS, SHAPED], work[FLAGS, BENDS] = 1.0, 0.0
+    work[SHAPED, 0], work[BENDS, 0] = 1.0, 0.0
     for j in range(JOINTS):
         work[GAIN, j] = gains[KD, j]
         work[REACH, j] = gains[KD, j] * work[S, j]

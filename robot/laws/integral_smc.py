@@ -35,7 +35,7 @@ from slidetune.robot.laws.terms.observer import (
     advance_observer,
     observe_loss,
 )
-from slidetune.robot.laws.terms.switching import CODES, IMPLICIT, SWITCHING_CODE, reach
+from slidetune.robot.laws.terms.switching import IMPLICIT, SWITCHING_CODE, reach
 
 Array = np.ndarray
 
@@ -75,11 +75,11 @@ class IntegralSmc(ShapedReachingGains, ObserverGains):
         meaning="Damping of the error equation; 2√k_p is critical damping.",
     )
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (9, 6)."""
-        error = np.empty((2, JOINTS))
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (9, n)."""
+        error = np.empty((2, joints))
         error[KP], error[KD] = self.kp, self.kd
-        return np.vstack([error, self.pack_reaching(), self.pack_observer()])
+        return np.vstack([error, self.pack_reaching(joints), self.pack_observer(joints)])
 
 
 @kernel
@@ -108,7 +108,7 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         work[S_V, j], work[S_E, j] = 1.0, gains[KD, j]
         work[DRIFT, j] = gains[KP, j] * e
     reach(gains[REACHING], work)
-    if work[CURVE + CODES, SWITCHING_CODE] == IMPLICIT:
+    if work[CURVE + SWITCHING_CODE, 0] == IMPLICIT:
         implicit_reach_shaped(work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)

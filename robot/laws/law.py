@@ -7,7 +7,7 @@ from typing import Protocol, TypedDict
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import Section
+from slidetune.robot.fields.quantity import JOINTS, Section
 from slidetune.robot.integrator.law_call import Advance, Control
 from slidetune.robot.laws.terms.observer import OBSERVER_MEMORY
 
@@ -17,8 +17,8 @@ Array = np.ndarray
 class PackedGains(Protocol):
     """A lane that can hand its gains to its kernels."""
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (n, 6)."""
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (n, n)."""
         ...
 
 

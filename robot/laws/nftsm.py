@@ -12,7 +12,6 @@ from slidetune.robot.kernels.workspace import (
     BENDS,
     CURVE,
     CURVE_ROWS,
-    FLAGS,
     REACH,
     S_V,
     SHAPE,
@@ -36,13 +35,7 @@ from slidetune.robot.laws.terms.observer import (
     observe_loss,
 )
 from slidetune.robot.laws.terms.surface import MU, NFTSM_ROWS, RATIO, C, NftsmSurface, nftsm_surface
-from slidetune.robot.laws.terms.switching import (
-    CODES,
-    IMPLICIT,
-    SWITCHING_CODE,
-    ReachingGains,
-    reach,
-)
+from slidetune.robot.laws.terms.switching import IMPLICIT, SWITCHING_CODE, ReachingGains, reach
 
 Array = np.ndarray
 
@@ -62,11 +55,11 @@ class Nftsm(NftsmSurface, ReachingGains, ObserverGains):
         "k₁ in 1/s and k₂ in rad/s², if the model is exact and F = 0; not in the paper.",
     )
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (12, 6)."""
-        shaped = np.full((1, JOINTS), float(self.inertia_shaped))
-        observer = self.pack_observer()
-        return np.vstack([self.pack_surface(), self.pack_reaching(), shaped, observer])
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (12, n)."""
+        shaped = np.full((1, joints), float(self.inertia_shaped))
+        observer = self.pack_observer(joints)
+        return np.vstack([self.pack_surface(joints), self.pack_reaching(joints), shaped, observer])
 
 
 @kernel
@@ -89,12 +82,12 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
     shaped = gains[INERTIA_SHAPED][0, 0] != 0.0
-    if work[CURVE + CODES, SWITCHING_CODE] == IMPLICIT:
+    if work[CURVE + SWITCHING_CODE, 0] == IMPLICIT:
         if shaped:
             implicit_reach_shaped(work)
         else:
             implicit_reach(nominal_M, work)
-    work[FLAGS, SHAPED] = work[FLAGS, BENDS] = 1.0 if shaped else 0.0
+    work[SHAPED, 0] = work[BENDS, 0] = 1.0 if shaped else 0.0
     for i in range(JOINTS):
         if shaped:
             work[TERMINAL_C, i], work[TERMINAL_MU, i] = gains[C, i], gains[MU, i]

@@ -8,15 +8,7 @@ import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import (
-    CURVE_ROWS,
-    FLAGS,
-    NETWORK,
-    REACH,
-    SHAPED,
-    TAU,
-    stacked,
-)
+from slidetune.robot.kernels.workspace import CURVE_ROWS, NETWORK, REACH, SHAPED, TAU, stacked
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.network import NETWORK_ROWS, NetworkGains, network
 from slidetune.robot.laws.terms.surface import NFTSM_ROWS, NftsmSurface, nftsm_surface
@@ -32,9 +24,11 @@ class RbfnnNftsm(NftsmSurface, ModelFreeReachingGains, NetworkGains):
 
     law: Literal["rbfnn_nftsm"] = "rbfnn_nftsm"
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (15, 6)."""
-        return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_network()])
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (15, n)."""
+        return np.vstack(
+            [self.pack_surface(joints), self.pack_reaching(joints), self.pack_network(joints)]
+        )
 
 
 @kernel
@@ -51,7 +45,7 @@ def control(state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
     nftsm_surface(gains[SURFACE], work)
     reach(gains[REACHING], work)
     network(gains[NETWORK_GAINS], state, work)
-    work[FLAGS, SHAPED] = 0.0
+    work[SHAPED, 0] = 0.0
     for j in range(JOINTS):
         work[TAU, j] = work[NETWORK, j] + work[REACH, j]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, FLAGS, REACH, SHAPED, TAU, stacked
+from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, REACH, SHAPED, TAU, stacked
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach
@@ -22,13 +22,7 @@ from slidetune.robot.laws.terms.observer import (
     observe_loss,
 )
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
-from slidetune.robot.laws.terms.switching import (
-    CODES,
-    IMPLICIT,
-    SWITCHING_CODE,
-    ReachingGains,
-    reach,
-)
+from slidetune.robot.laws.terms.switching import IMPLICIT, SWITCHING_CODE, ReachingGains, reach
 
 Array = np.ndarray
 
@@ -40,9 +34,11 @@ class Smc(LinearSurface, ReachingGains, ObserverGains):
 
     law: Literal["smc"] = "smc"
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (8, 6)."""
-        return np.vstack([self.pack_surface(), self.pack_reaching(), self.pack_observer()])
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (8, n)."""
+        return np.vstack(
+            [self.pack_surface(joints), self.pack_reaching(joints), self.pack_observer(joints)]
+        )
 
 
 @kernel
@@ -62,9 +58,9 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
     reach(gains[REACHING], work)
     no_network(work)
     equivalent_control(nominal_M, nominal_nle, work)
-    if work[CURVE + CODES, SWITCHING_CODE] == IMPLICIT:
+    if work[CURVE + SWITCHING_CODE, 0] == IMPLICIT:
         implicit_reach(nominal_M, work)
-    work[FLAGS, SHAPED] = 0.0
+    work[SHAPED, 0] = 0.0
     for j in range(JOINTS):
         work[TAU, j] += work[REACH, j]
     if gains[OBSERVER][KIND, 0] != NONE:

@@ -13,7 +13,6 @@ from slidetune.robot.kernels.workspace import (
     CURVE,
     CURVE_ROWS,
     CURVED,
-    FLAGS,
     GAIN,
     NETWORK,
     PERIOD,
@@ -43,7 +42,6 @@ from slidetune.robot.laws.terms.observer import (
 from slidetune.robot.laws.terms.surface import LINEAR_ROWS, LinearSurface, linear_surface
 from slidetune.robot.laws.terms.switching import (
     ALPHA,
-    CODES,
     EPSILON,
     HELD,
     IS_REACHING,
@@ -116,14 +114,14 @@ class SuperTwisting(LinearSurface, ObserverGains):
         """|S| in [rad/s] at which a margin takes its slope, which has no end at S = 0."""
         return HELD
 
-    def pack(self) -> Array:
-        """Return all gains as numbers. Shape (9, 6)."""
-        twist = np.zeros((CURVE_ROWS, JOINTS))
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return all gains as numbers. Shape (9, n)."""
+        twist = np.zeros((CURVE_ROWS, joints))
         # The row K2 is what z changes by in one step, which only the step knows.
         twist[K1], twist[ALPHA], twist[EPSILON] = self.k1, self.k2, 1.0
-        twist[CODES, [SWITCHING_CODE, REACHING_CODE, IS_REACHING]] = SIGN, TWISTING, 1.0
-        bound = np.full((1, JOINTS), self.z_max)
-        return np.vstack([self.pack_surface(), twist, bound, self.pack_observer()])
+        twist[[SWITCHING_CODE, REACHING_CODE, IS_REACHING], 0] = SIGN, TWISTING, 1.0
+        bound = np.full((1, joints), self.z_max)
+        return np.vstack([self.pack_surface(joints), twist, bound, self.pack_observer(joints)])
 
 
 @kernel
@@ -156,7 +154,7 @@ def control(state, gains, nominal_M, nominal_nle, work):  # type: ignore[no-unty
         for row in range(CURVE_ROWS):
             work[CURVE + row, j] = twist[row, j]
         work[REACH, j], work[GAIN, j] = reaching(twist, j, work[S, j])
-        if work[FLAGS, PERIOD] != 0.0 and abs(work[S, j]) < HELD:
+        if work[PERIOD, 0] != 0.0 and abs(work[S, j]) < HELD:
             # Only margins ask: the slope that a swing of that size feels.
             work[GAIN, j] = twist[K1, j] / HELD**0.5
     shape_by_inertia(nominal_M, work)
@@ -182,10 +180,10 @@ def advance(h, state, into, gains, nominal_M, nominal_nle, work):  # type: ignor
     for j in range(JOINTS):
         s, k2 = work[S, j], gains[TWIST][ALPHA, j]
         rate = k2 * _sign(s)
-        if work[FLAGS, PERIOD] == 0.0:
+        if work[PERIOD, 0] == 0.0:
             s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
             rate = k2 * _sign(s)
-            if work[FLAGS, CURVED] != 0.0 and work[SLIDING, j] != 0.0 and abs(s) < _STILL:
+            if work[CURVED, 0] != 0.0 and work[SLIDING, j] != 0.0 and abs(s) < _STILL:
                 rate = min(max(work[REACHED, j] / h, -k2), k2)
         z, bound = work[state + INTEGRAL, j] + h * rate, gains[BOUND][0, j]
         work[into + INTEGRAL, j] = min(max(z, -bound), bound)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
@@ -31,7 +30,7 @@ def adapted_gain(packed: Packed, name: str, run: LaneRun) -> Array | None:
     if lane.law != "adaptive_smc":
         return None
     rate, layer, least, most = (
-        np.broadcast_to(np.asarray(value, dtype=float), JOINTS)
+        np.broadcast_to(np.asarray(value, dtype=float), packed.joints)
         for value in (lane.adaptation_rate, lane.epsilon, lane.k2_min, lane.k2)
     )
     size, period = np.abs(np.nan_to_num(run.S)), packed.experiment.simulation.row_period

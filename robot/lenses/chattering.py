@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.metrics import torque_spectrum, total_variation
 from slidetune.robot.loop.simulate import LaneRun
@@ -82,8 +81,8 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
     period = packed.experiment.simulation.row_period
     torque, metrics = run.tau[:rows], run.metrics
     spectrum = torque_spectrum(torque, period, run.high_frequency)
-    frequency, density = np.empty(0), np.empty((0, JOINTS))
-    above: list[float | None] = [None] * JOINTS
+    frequency, density = np.empty(0), np.empty((0, packed.joints))
+    above: list[float | None] = [None] * packed.joints
     if spectrum is not None:
         frequency, power = spectrum
         high = power[frequency >= run.high_frequency].sum(axis=0) * frequency[1]
@@ -96,7 +95,7 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
             switches=float(metrics.switches[j]),
             above=above[j],
         )
-        for j in range(JOINTS)
+        for j in range(packed.joints)
     )
     return ChatteringView(
         limit=run.high_frequency,

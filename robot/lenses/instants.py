@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.margins.harmonic_balance import LimitCycle, limit_cycles, swing_frequencies
 from slidetune.robot.margins.margin import period_map, with_lane
 from slidetune.robot.margins.plain_lane import as_plain
@@ -92,7 +91,7 @@ def _lasting(
         one is not None and one.curve(loop, joint, np.array([one.omega]))[0].real > 0.0
         for joint, one in enumerate(cycles)
     ]
-    if not any(turned) or silent_layer(plain, name, np.ones(JOINTS), time) is None:
+    if not any(turned) or silent_layer(plain, name, np.ones(plain.joints), time) is None:
         return cycles
     return tuple(None if gone else one for gone, one in zip(turned, cycles, strict=True))
 
@@ -115,7 +114,7 @@ def silent_from(packed: Packed, name: str, time: float) -> tuple[float | None, b
     omega = swing_frequencies(loop, term)
     swinging = np.flatnonzero(np.isfinite(omega))
     smooth = _smooth(packed, plain, name, time)
-    layers = silent_layer(smooth, name, np.ones(JOINTS), time)
+    layers = silent_layer(smooth, name, np.ones(smooth.joints), time)
     own = loop.response(omega[swinging])[np.arange(len(swinging)), swinging, swinging]
     if layers is None:
         return None, len(own) > 0
@@ -155,7 +154,7 @@ def thresholds_of(name: str, instants: list[Instant]) -> list[float | None]:
     """
     found: dict[tuple[float, tuple[int, ...]], Array | None] = {}
     thresholds: list[float | None] = []
-    for joint in range(JOINTS):
+    for joint in range(len(instants[0].cycles)):
         worst = worst_of(instants, joint)
         cycle = None if worst is None else worst.cycles[joint]
         if worst is None or cycle is None or worst.term.twisting:
@@ -180,7 +179,7 @@ def common_threshold(name: str, instants: list[Instant]) -> float | None:
         return None
     widest = 0.0
     for one in instants:
-        layers = silent_layer(one.smooth, name, np.ones(JOINTS), one.time)
+        layers = silent_layer(one.smooth, name, np.ones(len(one.cycles)), one.time)
         if layers is None:
             return None
         widest = max(widest, float(layers[0]))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws.terms.network import NetworkGains
 from slidetune.robot.lenses import observer_view
 from slidetune.robot.lenses.observer_view import ObserverView
@@ -161,13 +160,16 @@ def look(
         return observer_view.look(packed, name, run)
     rows = max(1, int(np.isfinite(run.q[:, 0]).sum()))
     inputs = visited_inputs(gains, run)[:rows]
-    centers, widths = gains.centers(), np.broadcast_to(np.asarray(gains.width, float), JOINTS)
+    centers, widths = (
+        gains.centers(),
+        np.broadcast_to(np.asarray(gains.width, float), packed.joints),
+    )
     norm_time, norms = thinned(run.time[:rows], run.weights[:rows])
     chosen = every_few(rows, TORQUE_ROWS)
     needed, f = _needed(packed, name, run, chosen), run.f[chosen]
     late = chosen >= rows // 2
     joints = []
-    for j in range(JOINTS):
+    for j in range(packed.joints):
         x = inputs[:, j]
         hidden = hidden_outputs(x, centers, float(widths[j]))
         moves = float(np.ptp(x)) > STILL

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import CURRENT, WORK_ROWS, F, V
 from slidetune.robot.lenses.screen import every_few
 from slidetune.robot.loop.simulate import LaneRun
@@ -63,12 +63,14 @@ def _lost(packed: Packed, run: LaneRun, chosen: Array) -> Array:
 
     .. math:: F + (M - \bar M)\,\ddot q + (C - \bar C)\,\dot q + G - \bar G
     """
-    work, lost = np.zeros((WORK_ROWS, JOINTS)), np.empty((len(chosen), JOINTS))
+    joints = packed.joints
+    work, lost = np.zeros((WORK_ROWS, joints)), np.empty((len(chosen), joints))
+    torque_at = for_joints(external_torque, joints)
     data = packed.model.createData()
     nominal = packed.nominal and packed.nominal.createData()
     for index, row in enumerate(chosen):
         work[CURRENT + V] = run.v[row]
-        external_torque(float(run.time[row]), 0.0, CURRENT, packed.environment, work)
+        torque_at(float(run.time[row]), 0.0, CURRENT, packed.environment, work)
         lost[index] = work[F]
         if packed.nominal is not None:
             a = _acceleration(run, int(row))
@@ -83,7 +85,7 @@ def _acceleration(run: LaneRun, row: int) -> Array:
     if after == before or not np.all(np.isfinite(run.v[after])):
         after = row
     if after == before:
-        return np.zeros(JOINTS)
+        return np.zeros_like(run.v[row])
     change = run.v[after] - run.v[before]
     return np.asarray(change / (run.time[after] - run.time[before]))
 
@@ -111,7 +113,7 @@ def look(packed: Packed, name: str, run: LaneRun) -> ObserverView | None:
     chosen = every_few(rows, TORQUE_ROWS)
     lost, f, late = _lost(packed, run, chosen), run.f[chosen], chosen >= rows // 2
     joints = []
-    for j in range(JOINTS):
+    for j in range(packed.joints):
         asked, missing = _rms(lost[late, j]), _rms(lost[late, j] - f[late, j])
         joints.append(
             ObservedJoint(

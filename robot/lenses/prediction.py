@@ -9,7 +9,7 @@ import numpy as np
 
 from slidetune.robot.environment.layout import COULOMB, LIMIT
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS, bounds
+from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.lenses.adapted_gain import adapted_gain
 from slidetune.robot.lenses.instants import (
     Instant,
@@ -145,7 +145,7 @@ def look(
     common = common_threshold(name, instants)
     joints = tuple(
         _joint(packed, name, run, slice(first, rows), joint, instants, thresholds)
-        for joint in range(JOINTS)
+        for joint in range(packed.joints)
     )
     return PredictionView(
         switching=getattr(lane, "switching", "twisting"),
@@ -245,7 +245,8 @@ def _joint(
 
 
 def _gain(plain: Packed, name: str, joint: int) -> float:
-    return float(np.broadcast_to(np.asarray(plain.experiment.lanes[name].k2, float), JOINTS)[joint])
+    k2 = np.asarray(plain.experiment.lanes[name].k2, float)
+    return float(np.broadcast_to(k2, plain.joints)[joint])
 
 
 def _load(packed: Packed, name: str, instant: Instant, joint: int) -> float:
@@ -253,7 +254,8 @@ def _load(packed: Packed, name: str, instant: Instant, joint: int) -> float:
     load = float(instant.loop.load[joint])
     if not instant.term.twisting:
         return load
-    bound = np.broadcast_to(np.asarray(packed.experiment.lanes[name].z_max, float), JOINTS)[joint]
+    z_max = np.asarray(packed.experiment.lanes[name].z_max, float)
+    bound = np.broadcast_to(z_max, packed.joints)[joint]
     return load / float(bound) if bound > 0.0 else float(np.sign(load))
 
 

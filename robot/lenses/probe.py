@@ -6,24 +6,13 @@ import numpy as np
 
 from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.environment.external_torque import external_torque
-from slidetune.robot.environment.layout import SENSOR
+from slidetune.robot.environment.layout import SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.integrator.stages import sample
-from slidetune.robot.kernels.workspace import (
-    CURRENT,
-    RECORD_COLUMNS,
-    S_E,
-    S_V,
-    TAU,
-    WORK_ROWS,
-    F,
-    Q,
-    S,
-    V,
-)
+from slidetune.robot.kernels.for_joints import for_joints
+from slidetune.robot.kernels.workspace import CURRENT, RECORD, S_E, S_V, TAU, WORK_ROWS, F, Q, S, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.motion.trajectory import QUINTIC
@@ -41,11 +30,15 @@ class Probe:
         """Bind the law of the lane ``name``."""
         law = LAWS[packed.experiment.lanes[name].law]
         self._environment = packed.environment.copy()
-        self._environment[SENSOR, :2] = 0.0
-        self._work = np.zeros((WORK_ROWS, JOINTS))
+        self._environment[[SENSOR_Q, SENSOR_V], 0] = 0.0
+        joints = packed.joints
+        self._sample, self._equivalent_control, self._external_torque = (
+            for_joints(one, joints) for one in (sample, equivalent_control, external_torque)
+        )
+        self._work = np.zeros((WORK_ROWS, joints))
         self._arm = dynamics(packed.model, self._work[CURRENT + Q], self._work[CURRENT + V])
-        hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * JOINTS)])
-        gains, record = packed.gains[name], np.zeros((1, RECORD_COLUMNS))
+        hold = np.concatenate([[QUINTIC, 1.0], np.zeros(2 * joints)])
+        gains, record = packed.gains[name], np.zeros((1, len(RECORD), joints))
         self._at_rest, self._on_the_way = (
             kernel_table(
                 self._arm,
@@ -64,7 +57,7 @@ class Probe:
 
     def _ask(self, t: float, table: Array) -> Array:
         self._arm.refill()
-        checked(sample(t, 0, 0, table))
+        checked(self._sample(t, 0, 0, table))
         return self._work
 
     def surface(self, e: Array, de: Array) -> tuple[Array, Array, Array]:
@@ -98,7 +91,7 @@ class Probe:
         """
         self._work[CURRENT + Q], self._work[CURRENT + V] = q, v
         work = self._ask(t, self._on_the_way)
-        equivalent_control(self._arm.inertia, self._arm.bias, work)
-        external_torque(t, 0.0, CURRENT, self._environment, work)
+        self._equivalent_control(self._arm.inertia, self._arm.bias, work)
+        self._external_torque(t, 0.0, CURRENT, self._environment, work)
         needed: Array = work[TAU] + work[F]
         return needed

@@ -11,7 +11,6 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.lenses.probe import Probe
 from slidetune.robot.lenses.screen import evenly_along, every_few
 from slidetune.robot.loop.response import thinned
@@ -103,8 +102,8 @@ def sliding_curve(packed: Packed, name: str, de: Array) -> Array:
     probe = Probe(packed, name)
     curve = np.empty_like(de)
     for row, rate in enumerate(de):
-        S, S_E, _ = probe.surface(np.zeros(JOINTS), rate)
-        curve[row] = np.divide(-S, S_E, out=np.full(JOINTS, np.nan), where=S_E != 0.0)
+        S, S_E, _ = probe.surface(np.zeros_like(rate), rate)
+        curve[row] = np.divide(-S, S_E, out=np.full_like(S, np.nan), where=S_E != 0.0)
     return curve
 
 
@@ -121,7 +120,7 @@ def energy(packed: Packed, q: Array, sliding: Array) -> Array:
     Returns:
         V in [J]. Shape (n,).
     """
-    data, M = packed.model.createData(), np.empty((len(q), JOINTS, JOINTS))
+    data, M = packed.model.createData(), np.empty((len(q), packed.joints, packed.joints))
     for row, angles in enumerate(q):
         M[row] = pin.crba(packed.model, data, angles)
     V: Array = 0.5 * np.einsum("ni,nij,nj->n", sliding, M, sliding)
@@ -130,7 +129,7 @@ def energy(packed: Packed, q: Array, sliding: Array) -> Array:
 
 def _spread(packed: Packed, name: str, run: LaneRun, rows: int) -> tuple[Array, Array, Array]:
     """Return velocity errors that reach beyond the run and the layer, and both slopes of S."""
-    _, S_E, S_V = Probe(packed, name).surface(np.zeros(JOINTS), np.zeros(JOINTS))
+    _, S_E, S_V = Probe(packed, name).surface(*np.zeros((2, packed.joints)))
     reach = 1.4 * np.max(np.abs(run.de[:rows]), axis=0)
     reach = np.maximum(np.maximum(reach, 1.6 * run.layer / S_V), 1e-9)
     # Denser about the origin, where the terminal term bends the curve.
@@ -158,7 +157,7 @@ def look(packed: Packed, name: str, run: LaneRun, quiet: LaneRun | None = None) 
     curve_e = sliding_curve(packed, name, curve_de)
     reaching = run.metrics.reaching_time
     joints = []
-    for j in range(JOINTS):
+    for j in range(packed.joints):
         chosen = evenly_along(run.e[:rows, j], run.de[:rows, j], PATH_POINTS)
         left = np.flatnonzero(outside[:, j])
         joints.append(

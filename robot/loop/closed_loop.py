@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS
+from slidetune.robot.kernels.workspace import RECORD
 from slidetune.robot.loop.lane import Lane, LaneState
 
 Array = np.ndarray
@@ -58,7 +58,7 @@ class ClosedLoop:
         self.restart()
 
     def _lane(self, name: str) -> Lane:
-        return Lane(name, self.packed, np.zeros((self.rows, RECORD_COLUMNS)))
+        return Lane(name, self.packed, np.zeros((self.rows, len(RECORD), self.packed.joints)))
 
     @property
     def period(self) -> float:

@@ -13,6 +13,7 @@ from slidetune.robot.integrator.horizon import STAGE, STOPPED, run_continuous, r
 from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
 from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
 from slidetune.robot.kernels.by_address import address_of
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.steps import measures_apart
@@ -52,11 +53,13 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
         delay=simulation.delay,
     )
     if sampled:
-        return lambda rows, stop: run_sampled(simulation.plant_substeps, rows, stop, table)
+        run = for_joints(run_sampled, packed.joints)
+        return lambda rows, stop: run(simulation.plant_substeps, rows, stop, table)
     cutting, first = lane.cutting, FIRST if simulation.scheme == "extrapolated" else PLAIN
-    stage = address_of(make_stage, STAGE)
+    stage = address_of(for_joints(make_stage, packed.joints), STAGE)
+    through = for_joints(run_continuous, packed.joints)
     table.view(np.float64)[TOLERANCE] = cutting[LOOSENESS]
-    return lambda rows, stop: run_continuous(stage, first, rows, stop, cutting, table)
+    return lambda rows, stop: through(stage, first, rows, stop, cutting, table)
 
 
 def stepped_rows(lane: Lane, packed: Packed) -> Rows:

@@ -11,14 +11,12 @@ import numpy as np
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import BUCKETS, cutting_of
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
-from slidetune.robot.integrator.kernel_arrays import NO_COMMANDS
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
     CHANGE_Q,
     CHANGE_V,
-    FLAGS,
     KNOWN,
     MEMORY_ROWS,
     NODES,
@@ -27,10 +25,9 @@ from slidetune.robot.kernels.workspace import (
     QD,
     R_Q,
     R_QD,
-    R_TAU,
-    RECORD_COLUMNS,
+    R_V,
+    R_VD,
     STATE_ROWS,
-    TALLY,
     TAU,
     VD,
     WORK_ROWS,
@@ -142,9 +139,8 @@ class Lane:
         self.name, self._stepped = name, stepped
         self.record = record
         self.cutting = cutting_of() if cutting is None else cutting
-        self.work = np.zeros((WORK_ROWS, JOINTS))
+        self.work = np.zeros((WORK_ROWS, packed.joints))
         self.freeze: Freeze | None = None
-        self.commands = NO_COMMANDS
         self.restart(packed)
 
     def restart(self, packed: Packed, time: float = 0.0) -> None:
@@ -157,11 +153,11 @@ class Lane:
         simulation = packed.experiment.simulation
         self.began = time
         self.work[:] = 0.0
-        reference(time, packed.trajectory, self.work)
+        for_joints(reference, packed.joints)(time, packed.trajectory, self.work)
         self.work[Q] = self.work[QD] - np.asarray(simulation.initial_error)
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
-        self.freeze, self.commands = None, NO_COMMANDS
+        self.freeze, self.commands = None, np.empty((0, packed.joints))
         self._keeper = LAWS[packed.experiment.lanes[self.name].law]
         self.adopt(packed)
 
@@ -182,7 +178,7 @@ class Lane:
             self._keeper = law
         self.commands = torques_on_the_way(packed, self.work, self.commands)
         begin_drives(packed, self.work)
-        self.work[FLAGS, PERIOD] = packed.experiment.simulation.hold
+        self.work[PERIOD, 0] = packed.experiment.simulation.hold
         if self._stepped:
             arrays = (packed.gains[self.name], self.work, self.record, self.commands)
             self.step: Step = bind_step(law, packed, *arrays, self.cutting)
@@ -195,7 +191,7 @@ class Lane:
         self.work[:STATE_ROWS] = other.work[:STATE_ROWS]
         self.work[PUSH], self.work[TAU] = other.work[PUSH], other.work[TAU]
         self.work[[CHANGE_Q, CHANGE_V]] = other.work[[CHANGE_Q, CHANGE_V]]
-        self.work[TALLY, KNOWN] = other.work[TALLY, KNOWN]
+        self.work[KNOWN, 0] = other.work[KNOWN, 0]
         self.cutting[BUCKETS] = other.cutting[BUCKETS]
         self.record[:] = other.record
         self._keeper = other._keeper
@@ -233,9 +229,9 @@ class Lane:
 
     def hold(self, packed: Packed, time: float, row: int) -> None:
         """Record a frozen lane: its last finite row, and the desired motion that goes on."""
-        reference(time, packed.trajectory, self.work)
+        for_joints(reference, packed.joints)(time, packed.trajectory, self.work)
         self.record[row] = self.record[row - 1]
-        self.record[row, R_QD:] = self.work[QD : VD + 1].ravel()
+        self.record[row, [R_QD, R_VD]] = self.work[[QD, VD]]
 
     def stop(self, packed: Packed, time: float, joint: int, row: int) -> None:
         """Freeze at the last finite state and say why.
@@ -286,14 +282,14 @@ class Lane:
     def _mend(self, packed: Packed, time: float, row: int) -> None:
         """Put what is finite in the place of all that isn't, in the state and in the last row."""
         work, started = self.work, time > 0.0
-        reference(time, packed.trajectory, work)
-        known = self.record[row - 1].copy() if started else np.zeros(RECORD_COLUMNS)
-        last = np.zeros((STATE_ROWS, JOINTS))
-        last[Q], last[V] = known[R_Q:R_TAU].reshape(2, JOINTS) if started else work[[QD, VD]]
+        for_joints(reference, packed.joints)(time, packed.trajectory, work)
+        known = self.record[row - 1].copy() if started else np.zeros(self.record.shape[1:])
+        last = np.zeros((STATE_ROWS, packed.joints))
+        last[Q], last[V] = known[[R_Q, R_V]] if started else work[[QD, VD]]
         _replace_broken(work[:STATE_ROWS], last)
-        _replace_broken(work[TAU], np.zeros(JOINTS))
-        known[R_Q:R_TAU] = work[[Q, V]].ravel()
-        known[R_QD:] = work[QD : VD + 1].ravel()
+        _replace_broken(work[TAU], np.zeros(packed.joints))
+        known[[R_Q, R_V]] = work[[Q, V]]
+        known[[R_QD, R_VD]] = work[[QD, VD]]
         _replace_broken(self.record[row], known)
 
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 
 Array = np.ndarray
@@ -74,21 +73,23 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and np.isnan(value) else value
 
 
-NO_FIGURES = Metrics(
-    mae=np.full(JOINTS, np.nan),
-    max_error=np.full(JOINTS, np.nan),
-    max_velocity_error=np.full(JOINTS, np.nan),
-    chattering=np.nan,
-    switches=np.full(JOINTS, np.nan),
-    high_frequency_torque=None,
-    peak_torque=np.full(JOINTS, np.nan),
-    reaching_time=(None,) * JOINTS,
-    flange_rms=np.nan,
-    flange_max=np.nan,
-    rms_torque=np.full(JOINTS, np.nan),
-    itae=np.full(JOINTS, np.nan),
-)
-"""Figures of a span without a row."""
+def no_figures(joints: int) -> Metrics:
+    """Return the figures of a span without a row."""
+    none = np.full(joints, np.nan)
+    return Metrics(
+        mae=none,
+        max_error=none,
+        max_velocity_error=none,
+        chattering=np.nan,
+        switches=none,
+        high_frequency_torque=None,
+        peak_torque=none,
+        reaching_time=(None,) * joints,
+        flange_rms=np.nan,
+        flange_max=np.nan,
+        rms_torque=none,
+        itae=none,
+    )
 
 
 def total_variation(torque: Array, period: float) -> float:
@@ -188,9 +189,9 @@ DIRECTION, HIGHEST, LOWEST = 0, 1, 2
 yet), and its highest and lowest value [N m] since it turned, of which it needs the last extreme."""
 
 
-def unturned() -> Array:
-    """Return what ``follow_torque`` remembers before the first row. Shape (3, 6)."""
-    memory = np.zeros((3, JOINTS))
+def unturned(joints: int) -> Array:
+    """Return what ``follow_torque`` remembers before the first row. Shape (3, n)."""
+    memory = np.zeros((3, joints))
     memory[HIGHEST], memory[LOWEST] = -np.inf, np.inf
     return memory
 
@@ -210,7 +211,7 @@ def follow_torque(torque, memory, way, reversals):  # type: ignore[no-untyped-de
         way: from the first of these rows to the last in [N m]. Shape (6,).
         reversals: counts. Shape (6,).
     """
-    for j in range(JOINTS):
+    for j in range(torque.shape[1]):
         before = torque[0, j]
         direction, highest, lowest = memory[DIRECTION, j], memory[HIGHEST, j], memory[LOWEST, j]
         moved, count = 0.0, 0.0
@@ -247,7 +248,7 @@ its way in [N m] and its reversals."""
 @kernel
 def _sums_and_peaks(error, velocity_error, torque, memory, out):  # type: ignore[no-untyped-def]
     for row in range(len(error)):
-        for j in range(JOINTS):
+        for j in range(torque.shape[1]):
             size, value = abs(error[row, j]), torque[row, j]
             out[ERROR, j] += size
             out[MAX_ERROR, j] = max(out[MAX_ERROR, j], size)
@@ -278,12 +279,12 @@ def measure_lane(
         diverged_at: when the lane left its bounds in [s], or ``None``.
     """
     if not len(time):
-        return replace(NO_FIGURES, diverged_at=diverged_at)
+        return replace(no_figures(columns["e"].shape[1]), diverged_at=diverged_at)
     period = float(time[1] - time[0]) if len(time) > 1 else 1.0
     torque, way = columns["tau"], columns["flange"] - columns["flange_desired"]
     distance = np.sqrt(np.einsum("ij,ij->i", way, way))
-    figures, rows = np.zeros((SUMS, JOINTS)), len(time)
-    _sums_and_peaks(columns["e"], columns["de"], torque, unturned(), figures)
+    figures, rows = np.zeros((SUMS, torque.shape[1])), len(time)
+    _sums_and_peaks(columns["e"], columns["de"], torque, unturned(torque.shape[1]), figures)
     between = max(rows - 1, 1) * period
     # By the trapezoidal rule; at the first row time is 0.
     timed = figures[TIMED_ERROR] - 0.5 * (rows - 1) * np.abs(columns["e"][-1])

@@ -7,10 +7,11 @@ machine of ours that was a tenth of the run.
 from __future__ import annotations
 
 import weakref
+from math import prod
 
 import numpy as np
 
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS
+from slidetune.robot.kernels.workspace import RECORD
 
 Array = np.ndarray
 
@@ -23,10 +24,10 @@ _spare: list[Array] = []
 
 
 class _Rows:
-    """The first rows of a block: when the last view of them is gone, the block is spare again."""
+    """The beginning of a block: when the last view of it is gone, the block is spare again."""
 
-    def __init__(self, block: Array, rows: int) -> None:
-        self.__array_interface__ = block[:rows].__array_interface__
+    def __init__(self, block: Array, shape: tuple[int, ...]) -> None:
+        self.__array_interface__ = block[: prod(shape)].reshape(shape).__array_interface__
         weakref.finalize(self, _give_back, block).atexit = False
 
 
@@ -35,12 +36,17 @@ def _give_back(block: Array) -> None:
         _spare.append(block)
 
 
-def record_of(rows: int) -> Array:
-    """Return a record of so many rows, whose numbers are whatever was there. Shape (rows, 48)."""
+def record_of(rows: int, joints: int) -> Array:
+    """Return a record of so many rows, whose numbers are whatever was there.
+
+    Returns:
+        Shape (rows, 8, joints).
+    """
     try:
         block = _spare.pop()
     except IndexError:
         block = None
-    if block is None or len(block) < rows:
-        block = np.empty((rows, RECORD_COLUMNS))
-    return np.asarray(_Rows(block, rows))
+    shape = rows, len(RECORD), joints
+    if block is None or len(block) < prod(shape):
+        block = np.empty(prod(shape))
+    return np.asarray(_Rows(block, shape))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import PLACE_COLUMNS, flange_positions
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
@@ -19,15 +19,16 @@ from slidetune.robot.integrator.horizon import STOPPED
 from slidetune.robot.integrator.implicit_step import MAX_VELOCITY
 from slidetune.robot.integrator.law_call import RAISED, checked
 from slidetune.robot.kernels.compiler import kernel
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
     CAPPED,
     CUT,
     LEFT,
     NODES,
     QD,
+    R_Q,
     R_V,
     RECORD,
-    TALLY,
     UNSOLVED,
     VD,
     WORK_ROWS,
@@ -168,19 +169,21 @@ class DesiredMotion(NamedTuple):
     flange: Array
 
 
-def desired_motion(trajectory: Array, time: Array) -> tuple[Array, Array]:
-    """Return q_d [rad] and v_d [rad/s] of a packed trajectory at times in [s]. Shapes (n, 6)."""
-    q_d, v_d = np.empty((len(time), JOINTS)), np.empty((len(time), JOINTS))
-    _desired_motion(time, trajectory, np.zeros((WORK_ROWS, JOINTS)), q_d, v_d)
+def desired_motion(trajectory: Array, time: Array, joints: int) -> tuple[Array, Array]:
+    """Return q_d [rad] and v_d [rad/s] of a packed trajectory at times in [s]. Shapes (m, n)."""
+    q_d, v_d = np.empty((len(time), joints)), np.empty((len(time), joints))
+    work = np.zeros((WORK_ROWS, joints))
+    for_joints(_desired_motion, joints)(time, trajectory, work, q_d, v_d)
     return q_d, v_d
 
 
 @lru_cache(maxsize=4)
-def _whole_motion(trajectory: bytes, rows: int, period: float) -> DesiredMotion:
+def _whole_motion(trajectory: bytes, places: bytes, rows: int, period: float) -> DesiredMotion:
     """Keep the last ones: a hand on a slider asks for runs of one trajectory."""
     time = np.arange(rows) * period
-    q_d, v_d = desired_motion(np.frombuffer(trajectory).copy(), time)
-    motion = DesiredMotion(time, q_d, v_d, flange_positions(q_d))
+    numbers = np.frombuffer(places).reshape(-1, PLACE_COLUMNS)
+    q_d, v_d = desired_motion(np.frombuffer(trajectory).copy(), time, len(numbers) - 1)
+    motion = DesiredMotion(time, q_d, v_d, flange_positions(q_d, numbers))
     for array in motion:
         array.flags.writeable = False
     return motion
@@ -191,7 +194,7 @@ def _run_lane(name: str, packed: Packed, tolerance: float, stop: Array, tell: Te
     simulation = packed.experiment.simulation
     count = simulation.rows
     cutting = cutting_of_whole_run(count, tolerance)
-    lane = Lane(name, packed, record_of(count), cutting, stepped=not packed.compiled)
+    lane = Lane(name, packed, record_of(count, packed.joints), cutting, stepped=not packed.compiled)
     make = bind_rows(lane, packed) or stepped_rows(lane, packed)
     rows, at_once = np.zeros(2, np.int64), count if tell is None else count // _TOLD + 1
     while rows[0] < count:
@@ -217,16 +220,16 @@ def _accuracy(
     lane: Lane, packed: Packed, other: Packed | None, stop: Array, tell: Tell | None
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
-    unconverged, left, capped = (lane.work[TALLY, column] for column in (UNSOLVED, LEFT, CAPPED))
+    unconverged, left, capped = lane.work[[UNSOLVED, LEFT, CAPPED], 0]
     error, damped, fastest = None, 0.0, 0.0
     if other is not None:
         damped = _damped_growth(lane, packed)
-        fastest = float(np.nanmax(np.abs(lane.record[:, R_V : R_V + JOINTS])))
+        fastest = float(np.nanmax(np.abs(lane.record[:, R_V])))
         _, stride, share = second_run(packed.experiment)
         second = _run_lane(lane.name, other, LOOSER, stop, tell)
-        rows = lane.record[::stride, :JOINTS]
+        rows = lane.record[::stride, R_Q]
         common = min(len(rows), len(second.record))
-        error = share * difference(rows[:common], second.record[:common, :JOINTS])
+        error = share * difference(rows[:common], second.record[:common, R_Q])
         if (lane.freeze is None) != (second.freeze is None):
             # One left its bounds and the other did not: by then neither is to be trusted.
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
@@ -247,7 +250,7 @@ def _observes_by_steps(lane: Lane, packed: Packed) -> bool:
 def _damped_growth(lane: Lane, packed: Packed) -> float:
     """Return the growth that a lane's steps hide: only a loop with a lag has some so fast."""
     simulation = packed.experiment.simulation
-    few = lane.work[TALLY, CUT] < 0.5 * simulation.rows
+    few = lane.work[CUT, 0] < 0.5 * simulation.rows
     lagging = simulation.mode == "continuous" and bool(np.any(packed.environment[LAG]))
     if not lagging or not few or lane.freeze is not None:
         return 0.0
@@ -256,7 +259,7 @@ def _damped_growth(lane: Lane, packed: Packed) -> float:
 
 def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy) -> LaneRun:
     record = lane.record
-    columns = {name: record[:, JOINTS * i : JOINTS * (i + 1)] for i, name in enumerate(RECORD)}
+    columns = {name: record[:, i] for i, name in enumerate(RECORD)}
     law = LAWS[packed.experiment.lanes[lane.name].law]
     # In place: a whole run writes a lot of memory, and fresh pages cost more than the numbers.
     e, de = columns.pop("q_d"), columns.pop("v_d")
@@ -267,7 +270,7 @@ def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy)
         final_weights=lane.work[W : W + NODES] * law.network,
         e=e,
         de=de,
-        flange=flange_positions(columns["q"]),
+        flange=flange_positions(columns["q"], packed.places),
         flange_desired=motion.flange,
         layer=layer_of(packed, lane.name),
         high_frequency=packed.experiment.simulation.high_frequency,
@@ -305,7 +308,9 @@ def simulate(
         other = pack(second_run(experiment)[0])
     simulation, flag = experiment.simulation, stop_flag() if stop is None else stop
     trajectory = packed.trajectory.tobytes()
-    motion = _whole_motion(trajectory, simulation.rows, simulation.row_period)
+    motion = _whole_motion(
+        trajectory, packed.places.tobytes(), simulation.rows, simulation.row_period
+    )
     lanes: dict[str, LaneRun] = {}
     passes = (2 if estimate else 1) * len(experiment.lanes)
     made = 0

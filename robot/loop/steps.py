@@ -12,9 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import Dynamics, dynamics
-from slidetune.robot.environment.layout import BITS, COMMON, LAGS, LIMIT, SENSOR, SENSOR_Q, SENSOR_V
+from slidetune.robot.environment.layout import BITS, LAGS, LIMIT, SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import (
     FROM,
     LOOSENESS,
@@ -35,6 +34,7 @@ from slidetune.robot.integrator.stages import (
     sample,
     substep,
 )
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
     BETWEEN,
     CURRENT,
@@ -81,6 +81,9 @@ def continuous_step(
     numbers[TOLERANCE] = cutting[LOOSENESS]
     nominal_model, nominal_data = nominal.model, nominal.data
     first = FIRST if simulation.scheme == "extrapolated" else PLAIN
+    make, begin, following, end = (
+        for_joints(one, packed.joints) for one in (make_stage, begin_parts, next_part, end_part)
+    )
 
     def attempt(t: float, half: float, row: int) -> int:
         crba(model, data, q)
@@ -88,7 +91,7 @@ def continuous_step(
         if separate:
             crba(nominal_model, nominal_data, q)
             bias(nominal_model, nominal_data, q, v)
-        bad: int = make_stage(first, t, row, table)
+        bad: int = make(first, t, row, table)
         if bad or not first:
             return bad
         crba(model, data, q2)
@@ -96,14 +99,14 @@ def continuous_step(
         if separate:
             crba(nominal_model, nominal_data, q2)
             bias(nominal_model, nominal_data, q2, v2)
-        bad = make_stage(SECOND, t + half, row, table)
+        bad = make(SECOND, t + half, row, table)
         return bad
 
     def in_parts(t: float, row: int) -> int:
-        begin_parts(t, cutting, table)
-        while next_part(cutting, table):
+        begin(t, cutting, table)
+        while following(cutting, table):
             bad = attempt(float(cutting[FROM]), 0.5 * float(numbers[STEP]), row)
-            end_part(bad, cutting, table)
+            end(bad, cutting, table)
             if not bad:
                 row = NO_ROW
         return int(cutting[RESULT])
@@ -129,11 +132,11 @@ def torques_on_the_way(packed: Packed, work: Array, before: Array) -> Array:
             else an edit every few steps would keep every later torque from ever arriving.
 
     Returns:
-        Torques in [N m], none in continuous mode. Shape (size, 6).
+        Torques in [N m], none in continuous mode. Shape (size, n).
     """
     simulation, limit = packed.experiment.simulation, packed.environment[LIMIT]
     if simulation.mode == "continuous":
-        return np.empty((0, JOINTS))
+        return np.empty((0, packed.joints))
     size = simulation.delay[0] + 2
     if len(before) != size:
         before = np.tile(work[TAU], (size, 1))
@@ -148,7 +151,7 @@ def begin_drives(packed: Packed, work: Array) -> None:
         packed: the experiment as numbers.
         work: the lane's workspace; one without lags is left without their torques.
     """
-    limit, lagging = packed.environment[LIMIT], int(packed.environment[COMMON, BITS]) & LAGS
+    limit, lagging = packed.environment[LIMIT], int(packed.environment[BITS, 0]) & LAGS
     drives = work[DELIVERED : BETWEEN + 1]
     if not lagging:
         drives[:] = 0.0
@@ -163,7 +166,7 @@ def measures_apart(law: Law, packed: Packed) -> bool:
         law: the lane's law.
         packed: the experiment as numbers.
     """
-    noisy = bool(packed.environment[SENSOR, SENSOR_Q] or packed.environment[SENSOR, SENSOR_V])
+    noisy = bool(packed.environment[SENSOR_Q, 0] or packed.environment[SENSOR_V, 0])
     return law.model_based and (noisy or packed.nominal is not None)
 
 
@@ -193,18 +196,20 @@ def sampled_step(
         delay=simulation.delay,
     )
 
+    look, ask, move = (for_joints(one, packed.joints) for one in (observe, sample, substep))
+
     def step(t: float, number: int, row: int) -> int:
         refill()
         if apart:
-            observe(t, number, table)
+            look(t, number, table)
             refill_nominal()
-        bad: int = sample(t, number, row, table)
+        bad: int = ask(t, number, row, table)
         if bad:
             return checked(bad)
         for index in range(substeps):
             if index:
                 refill()
-            bad = substep(t, number, index, table)
+            bad = move(t, number, index, table)
             if bad:
                 return bad
         return 0
@@ -226,9 +231,9 @@ def bind_step(
     Args:
         law: the lane's law.
         packed: the experiment as numbers.
-        gains: the lane's gains. Shape (n, 6).
+        gains: the lane's gains. Shape (m, n).
         work: the lane's workspace, which holds its state.
-        record: rows to write. Shape (n, 48).
+        record: rows to write. Shape (m, 8, n).
         commands: what ``torques_on_the_way`` returned; only sampled mode uses it.
         cutting: how far a step of continuous mode may be cut; see ``cutting_of``.
 

@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.drive import held_lag
 
 Array = np.ndarray
-
-ARM = 2 * JOINTS
-"""Angles and velocities of a state."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +16,7 @@ class Drives:
     """The lags between command and joint.
 
     Attributes:
-        lag: their time constants in [s]. Shape (6,).
+        lag: their time constants in [s]. Shape (n,).
         count: how many of them are in series, 0 to 2.
     """
 
@@ -37,36 +33,38 @@ class Drives:
 
         Args:
             step: slopes of angle and velocity after a step over themselves and the torque at the
-                joint. Shape (12, 18).
+                joint. Shape (2n, 3n).
             width: length of a step in [s].
             steps: steps in a period.
             part: steps, or parts of one, after which the new command arrives.
 
         Returns:
             The slopes over the state, over the command before and over the one that arrives.
-            Shapes (m, m), (m, 6) and (m, 6).
+            Shapes (m, m), (m, n) and (m, n).
         """
         whole, late = int(part), part % 1.0
         after = steps - whole - (late > 0.0)
         power = np.linalg.matrix_power
-        size = ARM + self.count * JOINTS
+        joints = len(self.lag)
+        size = (2 + self.count) * joints
         found = power(self._step(step, width, 1.0), whole)
         if late > 0.0:
             found = self._step(step, width, late) @ found
         found = (power(self._step(step, width, 0.0), after) @ found)[:size]
-        return found[:, :size], found[:, size : size + JOINTS], found[:, size + JOINTS :]
+        return found[:, :size], found[:, size : size + joints], found[:, size + joints :]
 
     def _step(self, step: Array, width: float, share: float) -> Array:
         """Return the map of one step over state and commands; the first holds for ``share`` of it.
 
         Without a lag, that one step is made under the mean of both.
         """
-        size = ARM + self.count * JOINTS
-        delivered, between = slice(ARM, ARM + JOINTS), slice(size - JOINTS, size)
-        whole = np.eye(size + 2 * JOINTS)
-        torque = np.zeros((JOINTS, len(whole)))
-        for part, first in ((share, size), (1.0 - share, size + JOINTS)):
-            command = np.eye(len(whole))[first : first + JOINTS]
+        joints = len(self.lag)
+        arm, size = 2 * joints, (2 + self.count) * joints
+        delivered, between = slice(arm, arm + joints), slice(size - joints, size)
+        whole = np.eye(size + 2 * joints)
+        torque = np.zeros((joints, len(whole)))
+        for part, first in ((share, size), (1.0 - share, size + joints)):
+            command = np.eye(len(whole))[first : first + joints]
             torque += part * command
             if self.count == 0 or part == 0.0:
                 continue
@@ -78,6 +76,6 @@ class Drives:
             whole[delivered] = command + left * last + passed * ahead
             if self.count == 2:
                 whole[between] = command + left * ahead
-        whole[:ARM] = step[:, ARM:] @ torque
-        whole[:ARM, :ARM] += step[:, :ARM]
+        whole[:arm] = step[:, arm:] @ torque
+        whole[:arm, :arm] += step[:, :arm]
         return whole

@@ -29,7 +29,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.margins.switching_loop import SwitchingLoop
 from slidetune.robot.margins.switching_term import SwitchingTerm, integrator
 
@@ -94,7 +93,7 @@ def swing_frequencies(loop: SwitchingLoop, term: SwitchingTerm) -> Array:
 
     Args:
         loop: the loop around the switching terms.
-        term: these of all six joints.
+        term: these of all joints.
     """
     return _own_frequencies(loop, term, 0.0)
 
@@ -106,11 +105,11 @@ def limit_cycles(
 
     Args:
         loop: the loop around the switching terms.
-        term: these of all six joints.
+        term: these of all joints.
         how_far: whether the amplitudes are wanted, which take most of the time; NaN if not.
     """
     own, late, early = (_own_frequencies(loop, term, part * loop.hold) for part in (0.0, 0.5, -0.5))
-    found: list[LimitCycle | None] = [None] * JOINTS
+    found: list[LimitCycle | None] = [None] * len(own)
     for joints in _groups(loop, own):
         group = _Locked(loop, joints, term.of(joints))
         omega, phasors = group.frequency(own[joints])
@@ -124,7 +123,7 @@ def limit_cycles(
             if len(joints) > 1 and how_far:
                 one = _Locked(loop, [joint], term.of([joint]))
                 alone = one.amplitudes(omega, np.ones(1, complex))[0]
-            among = np.zeros(JOINTS, complex)
+            among = np.zeros(len(own), complex)
             among[joints] = phasors / phasors[place]
             found[joint] = LimitCycle(
                 omega=omega,
@@ -147,8 +146,8 @@ def _own_frequencies(loop: SwitchingLoop, term: SwitchingTerm, late: float) -> A
     """
     omegas = np.geomspace(LOWEST, loop.fastest, _SCAN)
     response = loop.response(omegas, late, k1=0.0)
-    found = np.full(JOINTS, np.nan)
-    for joint in range(JOINTS):
+    found = np.full(response.shape[2], np.nan)
+    for joint in range(len(found)):
         curve = response[:, joint, joint]
         if term.acts(joint) and np.any(np.abs(curve) > 0.0):
             if term.twisting:

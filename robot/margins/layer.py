@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import QD, S_V, WORK_ROWS
 from slidetune.robot.laws.terms.switching import HELD
 from slidetune.robot.margins.margin import evaluate
@@ -32,8 +32,8 @@ def layer_of(packed: Packed, name: str) -> Array:
     """
     lane, period = packed.experiment.lanes[name], packed.experiment.simulation.hold
     if getattr(lane, "switching", "") != "implicit" or period == 0.0:
-        return np.broadcast_to(np.asarray(getattr(lane, "layer", 0.0), dtype=float), JOINTS)
-    width = period * np.broadcast_to(np.asarray(lane.k2, dtype=float), JOINTS)
+        return np.broadcast_to(np.asarray(getattr(lane, "layer", 0.0), dtype=float), packed.joints)
+    width = period * np.broadcast_to(np.asarray(lane.k2, dtype=float), packed.joints)
     if not getattr(lane, "inertia_shaped", False):
         width = width * mobility_at(packed, name, 0.0)
     return np.where(width > 0.0, width, HELD)
@@ -50,11 +50,11 @@ def mobility_at(packed: Packed, name: str, time: float) -> Array:
     Returns:
         What a torque on a joint alone does to the rate of its S in [1/(kg m^2)]. Shape (6,).
     """
-    work, model = np.zeros((WORK_ROWS, JOINTS)), packed.nominal or packed.model
-    reference(time, packed.trajectory, work)
+    work, model = np.zeros((WORK_ROWS, packed.joints)), packed.nominal or packed.model
+    for_joints(reference, packed.joints)(time, packed.trajectory, work)
     q = work[QD].copy()
     held = np.concatenate([[QUINTIC, 1.0], q, q])
-    slope = evaluate(packed, name, q, np.zeros(JOINTS), held)[S_V]
+    slope = evaluate(packed, name, q, np.zeros(packed.joints), held)[S_V]
     M = pin.crba(model, model.createData(), q)
     mobility: Array = slope * np.diag(np.linalg.inv(M))
     return mobility

@@ -14,20 +14,19 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.dynamics import dynamics
-from slidetune.robot.environment.layout import LIMIT, SENSOR
+from slidetune.robot.environment.layout import LIMIT, SENSOR_Q, SENSOR_V
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.integrator.stages import sample
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
-    FLAGS,
     GAIN,
     PERIOD,
     QD,
     REACH,
-    RECORD_COLUMNS,
+    RECORD,
     S_V,
     SHAPE,
     SHAPED,
@@ -66,18 +65,22 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
         trajectory: desired motion, as of ``pack_trajectory``.
     """
     law = LAWS[packed.experiment.lanes[name].law]
-    work = np.zeros((WORK_ROWS, JOINTS))
+    work = np.zeros((WORK_ROWS, packed.joints))
     work[Q], work[V] = q, v
-    work[FLAGS, PERIOD] = packed.experiment.simulation.hold
+    work[PERIOD, 0] = packed.experiment.simulation.hold
     nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
     nominal.refill()
     environment = packed.environment.copy()
     # What the law asks for, of the true state, before the joint gives what it can.
-    environment[SENSOR, :2], environment[LIMIT] = 0.0, np.inf
-    record = np.zeros((1, RECORD_COLUMNS))
+    environment[[SENSOR_Q, SENSOR_V], 0], environment[LIMIT] = 0.0, np.inf
+    record = np.zeros((1, len(RECORD), packed.joints))
     gains = packed.gains[name]
     arrays = (gains, environment, trajectory, work, record)
-    checked(sample(0.0, 0, 0, kernel_table(nominal, nominal, *arrays, **law.kernels)))
+    checked(
+        for_joints(sample, packed.joints)(
+            0.0, 0, 0, kernel_table(nominal, nominal, *arrays, **law.kernels)
+        )
+    )
     return work
 
 
@@ -98,10 +101,10 @@ def sampling_margin(packed: Packed, name: str, q: Array) -> float:
     """
     q = np.ascontiguousarray(q)
     hold = np.concatenate([[QUINTIC, 1.0], q, q])
-    work = evaluate(packed, name, q, np.zeros(JOINTS), hold)
+    work = evaluate(packed, name, q, np.zeros(packed.joints), hold)
     damping = np.diag(work[GAIN] * work[S_V])
-    if work[FLAGS, SHAPED]:
-        damping = work[SHAPE : SHAPE + JOINTS] @ damping
+    if work[SHAPED, 0]:
+        damping = work[SHAPE : SHAPE + packed.joints] @ damping
     elif switches(packed, name, "implicit"):
         damping = _coupled_damping(packed, name, q, hold)
     M = pin.crba(packed.model, packed.model.createData(), q)
@@ -113,9 +116,9 @@ def _coupled_damping(packed: Packed, name: str, q: Array, hold: Array) -> Array:
     """Return the damping of a reaching law that couples the joints in [N m s/rad], at rest."""
     ends = [
         evaluate(packed, name, q, velocity, hold)[REACH].copy()
-        for velocity in _DIFFERENCE * np.vstack([np.eye(JOINTS), -np.eye(JOINTS)])
+        for velocity in _DIFFERENCE * np.vstack([np.eye(packed.joints), -np.eye(packed.joints)])
     ]
-    ahead, behind = np.reshape(ends, (2, JOINTS, JOINTS))
+    ahead, behind = np.reshape(ends, (2, packed.joints, packed.joints))
     return np.asarray((behind - ahead).T / (2.0 * _DIFFERENCE))
 
 
@@ -280,8 +283,8 @@ def _is_held(packed: Packed, name: str) -> bool:
 
 
 def _pose(packed: Packed, time: float) -> Array:
-    work = np.zeros((WORK_ROWS, JOINTS))
-    reference(time, packed.trajectory, work)
+    work = np.zeros((WORK_ROWS, packed.joints))
+    for_joints(reference, packed.joints)(time, packed.trajectory, work)
     pose: Array = work[QD].copy()
     return pose
 

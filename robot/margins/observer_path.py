@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 
 Array = np.ndarray
 
@@ -57,7 +56,7 @@ class ObserverPath:
         summed = seen[:, None] * self.rate
         motion = -(summed * turn[:, None])[:, :, None] * self.bias
         velocity = (summed * rises[:, None])[:, :, None] * self.inertia
-        motion[:, :, JOINTS:] -= velocity
+        motion[:, :, len(self.inertia) :] -= velocity
         return 1.0 + summed * turn[:, None], motion
 
 
@@ -79,10 +78,10 @@ def observer_path(
         return None
     simulation = packed.experiment.simulation
     period = simulation.hold
-    rate = np.broadcast_to(np.asarray(lane.observer_rate, dtype=float), JOINTS)
+    rate = np.broadcast_to(np.asarray(lane.observer_rate, dtype=float), packed.joints)
     if kind == "time_delay":
         period = period or simulation.step
-        rate = np.full(JOINTS, 1.0 / period)
+        rate = np.full(packed.joints, 1.0 / period)
     elif period > 0.0:
         rate = -np.expm1(-rate * period) / period
     model = packed.nominal or packed.model

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import AD, VD
 from slidetune.robot.laws.law import Law
 from slidetune.robot.laws.terms.observer import LAST_V, LOSS, SPAN, UNDRIVEN
@@ -37,17 +36,18 @@ def begin_observer(law: Law, period: float, inertia: Array, work: Array, memory:
     memory[law.memory + SPAN] = period
 
 
-def remembered_torque(lane: Any, size: int) -> Array:
+def remembered_torque(lane: Any, size: int, joints: int) -> Array:
     """Return what of a commanded torque is kept in the state: an observer's last row is less it.
 
     Args:
         lane: a lane's gains.
         size: deviations of a state.
+        joints: how many joints the arm has.
 
     Returns:
         Shape (size, 6).
     """
-    kept = np.zeros((size, JOINTS))
+    kept = np.zeros((size, joints))
     if getattr(lane, "observer", "none") != "none":
-        kept[size - JOINTS :] = -np.eye(JOINTS)
+        kept[size - joints :] = -np.eye(joints)
     return kept

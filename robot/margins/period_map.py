@@ -14,35 +14,34 @@ from slidetune.robot.arm.dynamics import dynamics
 from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.environment.layout import (
     BITS,
-    COMMON,
     COULOMB,
     LAG,
     LAGS,
     LIMIT,
     LIMITS,
     RUBS,
-    SENSOR,
+    SENSOR_Q,
+    SENSOR_V,
     TWO_LAGS,
 )
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.integrator.stages import plant_step, sample
+from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
     AD,
     APPLIED,
     CURRENT,
     CURVE,
     CURVE_ROWS,
-    FLAGS,
     HIDDEN,
     LEARNING,
     NODES,
     PERIOD,
     QD,
     REACH,
-    RECORD_COLUMNS,
+    RECORD,
     S_E,
     S_V,
     SHAPE,
@@ -146,14 +145,15 @@ class PeriodMap:
             A = A + self.late @ torque
         if line == 0:
             return A
-        whole = np.zeros((size + line * JOINTS, size + line * JOINTS))
+        joints = self.late.shape[1]
+        whole = np.zeros((size + line * joints, size + line * joints))
         whole[:size, :size] = A
-        whole[size : size + JOINTS, :size] = torque
-        whole[size + JOINTS :, size:-JOINTS] = np.eye((line - 1) * JOINTS)
+        whole[size : size + joints, :size] = torque
+        whole[size + joints :, size:-joints] = np.eye((line - 1) * joints)
         for back, share in ((self.delay, self.late), (self.delay + 1, self.early)):
             if 1 <= back <= line:
-                first = size + (back - 1) * JOINTS
-                whole[:size, first : first + JOINTS] = share
+                first = size + (back - 1) * joints
+                whole[:size, first : first + joints] = share
         return whole
 
     def stable(self, proportional: float = 1.0, switching: float = 1.0) -> bool:
@@ -177,8 +177,12 @@ def calm(packed: Packed) -> Packed:
     damping that a moving joint does not have.
     """
     environment = packed.environment.copy()
-    environment[SENSOR, :2], environment[LIMIT], environment[COULOMB] = 0.0, np.inf, 0.0
-    environment[COMMON, BITS] = int(environment[COMMON, BITS]) & ~(LIMITS | RUBS)
+    environment[[SENSOR_Q, SENSOR_V], 0], environment[LIMIT], environment[COULOMB] = (
+        0.0,
+        np.inf,
+        0.0,
+    )
+    environment[BITS, 0] = int(environment[BITS, 0]) & ~(LIMITS | RUBS)
     return replace(packed, environment=environment)
 
 
@@ -196,40 +200,44 @@ class Around:
         """
         lane = packed.experiment.lanes[name]
         self._packed, self._time, self._lane = packed, time, lane
+        self._joints = packed.joints
+        self._look, self._move, self._torque_at = (
+            for_joints(one, packed.joints) for one in (sample, plant_step, external_torque)
+        )
         self._law, self._gains = LAWS[lane.law].used_by(lane), packed.gains[name].copy()
-        self.work = work = np.zeros((WORK_ROWS, JOINTS))
-        reference(time, packed.trajectory, work)
+        self.work = work = np.zeros((WORK_ROWS, self._joints))
+        for_joints(reference, packed.joints)(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
         self._truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
         nominal = packed.nominal or packed.model
         self._nominal = dynamics(nominal, work[CURRENT + Q], work[CURRENT + V])
         self.timing = cut = cut or timing(packed.experiment.simulation)
-        bits = int(packed.environment[COMMON, BITS])
+        bits = int(packed.environment[BITS, 0])
         self._lags = 2 if bits & TWO_LAGS else 1 if bits & LAGS else 0
-        self._arm_size = (2 + self._lags) * JOINTS
-        work[FLAGS, PERIOD] = cut.period
+        self._arm_size = (2 + self._lags) * self._joints
+        work[PERIOD, 0] = cut.period
         rest = (self._gains, packed.environment, packed.trajectory, work)
-        record = np.zeros((1, RECORD_COLUMNS))
+        record = np.zeros((1, len(RECORD), self._joints))
         self._control = kernel_table(
             self._truth, self._nominal, *rest, record, **self._law.kernels, period=cut.period
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
-        self._weights = np.zeros((NODES, JOINTS))
+        self._weights = np.zeros((NODES, self._joints))
         self._memory = remembered_rows(LAWS[lane.law], lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         if self._law.memory:
             self._weights = work[CURRENT + W : CURRENT + W + NODES].copy()  # as it has begun
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
-        length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(JOINTS)
+        length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(self._joints)
         if getattr(lane, "observer", "none") != "none":
             begin_observer(LAWS[lane.law], cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
-        known = learns & (length > 1e-9) if self._law.network else np.zeros(JOINTS, bool)
+        known = learns & (length > 1e-9) if self._law.network else np.zeros(self._joints, bool)
         self.learning: Array = np.flatnonzero(known)
         self._along = np.divide(hidden, length, out=np.zeros_like(hidden), where=length > 1e-9)
         if len(self.learning):
-            held = np.zeros(JOINTS)
+            held = np.zeros(self._joints)
             held[self.learning] = (self.load / np.maximum(length, 1e-9))[self.learning]
             self._weights = self._along * held
 
@@ -238,7 +246,7 @@ class Around:
         work = self.work
         work[CURRENT + Q], work[CURRENT + V] = self.q, self.v
         self._truth.refill()
-        external_torque(self._time, self.timing.period, CURRENT, self._packed.environment, work)
+        self._torque_at(self._time, self.timing.period, CURRENT, self._packed.environment, work)
         M = np.triu(self._truth.inertia.T)
         M = M + np.triu(M, 1).T
         needed: Array = M @ work[AD] + self._truth.bias + work[F]
@@ -251,14 +259,14 @@ class Around:
         work[CURRENT + Q], work[CURRENT + V] = q, v
         work[CURRENT + W : CURRENT + W + NODES] = self._weights
         self._nominal.refill()
-        checked(sample(self._time, 0, 0, self._control))
+        checked(self._look(self._time, 0, 0, self._control))
 
     def steepest(self) -> Array:
         """Return the velocity error in [rad/s] at which the reaching law is steepest. Shape (6,).
 
         That is on the surface but for power reaching, whose slope there is none, or without end.
         """
-        error = np.zeros(JOINTS)
+        error = np.zeros(self._joints)
         if getattr(self._lane, "reaching", "") != "power":
             return error
         wanted = self._steepest_sliding()
@@ -273,7 +281,7 @@ class Around:
     def _steepest_sliding(self) -> Array:
         r"""Return where :math:`|S|^\alpha\,\mathrm{sw}(S/\epsilon)` is steepest in [rad/s]."""
         lane = self._lane
-        layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), JOINTS)
+        layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), self._joints)
         if lane.switching == "saturation":
             return layer * (1.0 - 2.0 * WITHIN)
         x = np.geomspace(1e-3, 1e3, 4001)
@@ -283,14 +291,16 @@ class Around:
     def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
         """Return slopes of learning, of the rest of the torque and of its reaching law."""
         first, held, known = self._arm_size, self._weights, self._arm_size + len(self.learning)
-        size = known + len(self._memory) * JOINTS
-        learning, rest, reach = (np.zeros((rows, size)) for rows in (size, JOINTS, JOINTS))
+        size = known + len(self._memory) * self._joints
+        learning, rest, reach = (
+            np.zeros((rows, size)) for rows in (size, self._joints, self._joints)
+        )
         start = self.v - error
         self._ask(self.q, start)
         layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
         swing = getattr(self._lane, "swing", 0.0)
-        own = len(self._law.states) * JOINTS
+        own = len(self._law.states) * self._joints
         by = np.concatenate(
             [
                 np.maximum(
@@ -298,23 +308,26 @@ class Around:
                     swing / np.maximum(s_e, 1e-9),
                 ),
                 np.maximum(np.minimum(VELOCITY, WITHIN * layer / s_v), swing / s_v),
-                np.full(known - 2 * JOINTS, TORQUE),
+                np.full(known - 2 * self._joints, TORQUE),
                 # A law's own is of the kind of S, an observer's a torque.
                 np.tile(np.minimum(VELOCITY, WITHIN * layer), len(self._law.states)),
                 np.full(size - known - own, TORQUE),
             ]
         )
-        for column in (*range(2 * JOINTS), *range(first, size)):  # no law sees what a drive gives
+        for column in (
+            *range(2 * self._joints),
+            *range(first, size),
+        ):  # no law sees what a drive gives
             found = []
             for side in (by[column], -by[column]):
                 q, v = self.q.copy(), start.copy()
                 self._weights = held
-                if column < JOINTS:
+                if column < self._joints:
                     q[column] += side
-                elif column < 2 * JOINTS:
-                    v[column - JOINTS] += side
+                elif column < 2 * self._joints:
+                    v[column - self._joints] += side
                 elif column >= known:
-                    row, joint = divmod(column - known, JOINTS)
+                    row, joint = divmod(column - known, self._joints)
                     self._weights = held.copy()
                     self._weights[self._memory[row], joint] += side
                 else:
@@ -335,8 +348,8 @@ class Around:
         """Return within which S of a joint alone leaves the law linear in [rad/s]. Shape (6,)."""
         lane, period = self._lane, self.timing.period
         if getattr(lane, "switching", "") != "implicit":
-            return np.broadcast_to(np.asarray(getattr(lane, "epsilon", 1.0)), JOINTS)
-        k2 = np.broadcast_to(np.asarray(lane.k2), JOINTS)
+            return np.broadcast_to(np.asarray(getattr(lane, "epsilon", 1.0)), self._joints)
+        k2 = np.broadcast_to(np.asarray(lane.k2), self._joints)
         k2 = np.where(k2 > 0.0, k2, np.inf)
         if getattr(lane, "inertia_shaped", False):
             return np.asarray(period * k2)
@@ -347,8 +360,8 @@ class Around:
         """Return torque, reaching torque, and weights along the hidden outputs or memory."""
         work = self.work
         reached = work[REACH].copy()
-        if work[FLAGS, SHAPED] != 0.0:
-            reached = work[SHAPE : SHAPE + JOINTS] @ reached
+        if work[SHAPED, 0] != 0.0:
+            reached = work[SHAPE : SHAPE + self._joints] @ reached
         moved = ((work[CURRENT + W : CURRENT + W + NODES] - held) * self._along).sum(axis=0)
         memory = work[CURRENT + W + self._memory].ravel()
         return work[TAU].copy(), reached, np.concatenate([moved[self.learning], memory])
@@ -356,14 +369,14 @@ class Around:
     def _arm_step(self) -> Array:
         """Return slopes of angle and velocity after one step over themselves and the torque."""
         work, start = self.work, np.concatenate([self.q, self.v, self.load])
-        by = np.repeat([ANGLE, VELOCITY, TORQUE], JOINTS)
-        columns = np.empty((3 * JOINTS, 2 * JOINTS))
+        by = np.repeat([ANGLE, VELOCITY, TORQUE], self._joints)
+        columns = np.empty((3 * self._joints, 2 * self._joints))
         for column, change in enumerate(np.diag(by)):
             ends = []
             for moved in (start + change, start - change):
-                work[[CURRENT + Q, CURRENT + V, APPLIED]] = moved.reshape(3, JOINTS)
+                work[[CURRENT + Q, CURRENT + V, APPLIED]] = moved.reshape(3, self._joints)
                 self._truth.refill()
-                plant_step(self._time, self._arm)
+                self._move(self._time, self._arm)
                 ends.append(work[[CURRENT + Q, CURRENT + V]].ravel())
             columns[column] = (ends[0] - ends[1]) / (2.0 * by[column])
         return np.asarray(columns.T)
@@ -384,8 +397,8 @@ class Around:
             _, _, proportional = self._law_map(error)
             self._gains[:] = within
         size, both = len(learning), slice(0, self._arm_size)
-        own, early, late = learning, np.zeros((size, JOINTS)), np.zeros((size, JOINTS))
-        kept = remembered_torque(self._lane, size)
+        own, early, late = learning, np.zeros((size, self._joints)), np.zeros((size, self._joints))
+        kept = remembered_torque(self._lane, size, self._joints)
         own = own - kept @ (rest + reach)
         drives = Drives(self._packed.environment[LAG], self._lags)
         found = drives.period(self._arm_step(), self.timing.step, self.timing.steps, part)

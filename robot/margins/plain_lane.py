@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws.adaptive_smc import AdaptiveSmc
 from slidetune.robot.margins.layer import mobility_at
 from slidetune.robot.margins.margin import replaced, with_lane
@@ -52,7 +51,7 @@ def as_plain(
         lane = packed.experiment.lanes[name]
     if lane.switching == "implicit":
         return _implicit(packed, name, time)
-    layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), JOINTS)
+    layer = np.broadcast_to(np.asarray(lane.epsilon, dtype=float), packed.joints)
     return packed, SwitchingTerm.within(lane.switching, layer)
 
 
@@ -62,8 +61,12 @@ def _twisting(packed: Packed, name: str) -> tuple[Packed, SwitchingTerm]:
     names = AdaptiveSmc.model_fields.keys() & type(lane).model_fields.keys()
     kept = {key: getattr(lane, key) for key in names - {"law", "k1", "k2"}}
     unit = AdaptiveSmc(**kept, k1=0.0, k2=1.0, k2_min=1.0, adaptation_rate=0.0)
-    root, rate = (np.broadcast_to(np.asarray(gain, float), JOINTS) for gain in (lane.k1, lane.k2))
-    return replaced(packed, name, unit), SwitchingTerm("twisting", np.ones(JOINTS), root, rate)
+    root, rate = (
+        np.broadcast_to(np.asarray(gain, float), packed.joints) for gain in (lane.k1, lane.k2)
+    )
+    return replaced(packed, name, unit), SwitchingTerm(
+        "twisting", np.ones(packed.joints), root, rate
+    )
 
 
 def _implicit(packed: Packed, name: str, time: float) -> tuple[Packed, SwitchingTerm]:
@@ -75,12 +78,14 @@ def _implicit(packed: Packed, name: str, time: float) -> tuple[Packed, Switching
     T Gamma_j (M^-1)_jj in place of T. In continuous mode it is sign.
     """
     lane, period = packed.experiment.lanes[name], packed.experiment.simulation.hold
-    k1, k2 = (np.broadcast_to(np.asarray(gain, float), JOINTS) for gain in (lane.k1, lane.k2))
+    k1, k2 = (
+        np.broadcast_to(np.asarray(gain, float), packed.joints) for gain in (lane.k1, lane.k2)
+    )
     if period == 0.0:
         return with_lane(packed, name, switching="sign"), SwitchingTerm.within(
-            "sign", np.ones(JOINTS)
+            "sign", np.ones(packed.joints)
         )
-    moved = np.full(JOINTS, period)
+    moved = np.full(packed.joints, period)
     if not getattr(lane, "inertia_shaped", False):
         moved = period * mobility_at(packed, name, time)
     layer = np.maximum(moved * k2, np.finfo(float).tiny)

@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.margins.margin import period_map
 from slidetune.robot.margins.period_map import PeriodMap
 from slidetune.robot.margins.switching_loop import with_layer
@@ -69,7 +68,7 @@ def silent_layer(
     if joints is not None:
         # A joint's S depends on its own angle and velocity.
         chosen = np.zeros(found.switching.shape[1])
-        chosen[[*joints, *(JOINTS + joint for joint in joints)]] = 1.0
+        chosen[[*joints, *(packed.joints + joint for joint in joints)]] = 1.0
         others, own = found.switching * (1.0 - chosen), found.switching * chosen
         # Not without a layer: its slope may be all that holds the others.
         wider = (replace(found, rest=found.rest + others / by, switching=own) for by in _WIDER)

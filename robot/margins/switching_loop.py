@@ -13,7 +13,6 @@ import pinocchio as pin
 
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import AD, S_E, S_V, TAU
 from slidetune.robot.margins.margin import with_lane
 from slidetune.robot.margins.observer_path import ObserverPath, observer_path
@@ -139,9 +138,9 @@ def switching_loop(packed: Packed, name: str, time: float) -> SwitchingLoop:
         missing[:] = 0.0  # it carries what the law lacks
     linear = around.map(outside)
     period = linear.timing.period
-    velocities = slice(JOINTS, 2 * JOINTS)
-    surface = np.zeros((JOINTS, len(linear.own)))
-    surface[:, :JOINTS], surface[:, velocities] = np.diag(-S_e), np.diag(-S_v)
+    velocities = slice(packed.joints, 2 * packed.joints)
+    surface = np.zeros((packed.joints, len(linear.own)))
+    surface[:, : packed.joints], surface[:, velocities] = np.diag(-S_e), np.diag(-S_v)
     gain = linear.switching[:, velocities] / -S_v
     M = pin.crba(packed.model, packed.model.createData(), around.q)
     return SwitchingLoop(
@@ -168,6 +167,6 @@ def _delay(simulation: Simulation) -> float:
 def _load(missing: Array, gain: Array) -> Array:
     """Return the mean of sw that makes up for the torque that a law lacks. Shape (6,)."""
     acts = np.abs(gain).sum(axis=0) > _FREE
-    load = np.zeros(JOINTS)
+    load = np.zeros(len(acts))
     load[acts] = np.linalg.lstsq(gain[:, acts], missing, rcond=None)[0]
     return load

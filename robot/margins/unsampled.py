@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from slidetune.robot.environment.layout import BITS, COMMON, LAG, LAGS, TWO_LAGS
+from slidetune.robot.environment.layout import BITS, LAG, LAGS, TWO_LAGS
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.margins.margin import instants, period_map, switches, with_lane
 from slidetune.robot.margins.period_map import UNSAMPLED
@@ -17,7 +17,7 @@ def without_lag(packed: Packed) -> Packed:
     """Return the experiment with drives that have no lag."""
     environment = packed.environment.copy()
     environment[LAG] = 0.0
-    environment[COMMON, BITS] = int(environment[COMMON, BITS]) & ~(LAGS | TWO_LAGS)
+    environment[BITS, 0] = int(environment[BITS, 0]) & ~(LAGS | TWO_LAGS)
     return replace(packed, environment=environment)
 
 

@@ -17,11 +17,9 @@ Array = np.ndarray
 SINE, QUINTIC, TABLE = 0.0, 1.0, 2.0
 # Where the numbers of a packed trajectory stand: its kind, then those of that kind.
 KIND = 0
-AMPLITUDE, OMEGA, PHASE, OFFSET = range(1, 1 + 4 * JOINTS, JOINTS)
-DURATION, START, END = 1, 2, 2 + JOINTS
-PERIOD, COUNT, SAMPLES = 1, 2, 3
-# One sample of a table: q_d, v_d and a_d.
-SAMPLE_Q, SAMPLE_V, SAMPLE_A, SAMPLE_SIZE = range(0, 4 * JOINTS, JOINTS)
+SINES = 1  # amplitudes, angular frequencies, phases and offsets, each of all joints
+DURATION, ENDS = 1, 2  # then start and end, each of all joints
+PERIOD, COUNT, SAMPLES = 1, 2, 3  # then q_d, v_d and a_d of every sample
 
 _DEGREE = np.pi / 180.0
 
@@ -183,19 +181,22 @@ def _table(period: float, samples: Array) -> Array:
     return np.concatenate([head, samples.ravel()])
 
 
-def pack_trajectory(trajectory: Trajectory, turn: Array | None = None) -> Array:
+def pack_trajectory(
+    trajectory: Trajectory, turn: Array | None = None, joints: int = JOINTS
+) -> Array:
     """Return a trajectory as numbers for ``reference``.
 
     Args:
         trajectory: the trajectory.
         turn: for a circle, q_d, v_d and a_d along one turn (``follow_circle``).
-            Shape (n + 1, 3, 6).
+            Shape (m + 1, 3, n).
+        joints: how many joints the arm has.
 
     Returns:
         The kind, then its own numbers. Shape (m,).
     """
     if isinstance(trajectory, SineTrajectory):
-        block = np.empty((4, JOINTS))
+        block = np.empty((4, joints))
         block[0], block[1] = trajectory.amplitude, trajectory.angular_frequency
         block[2], block[3] = trajectory.phase, trajectory.offset
         return np.concatenate([[SINE], block.ravel()])
@@ -213,11 +214,11 @@ def _sine(t, numbers, work):  # type: ignore[no-untyped-def]
     sine, cosine = 0.0, 1.0
     last = 0.0
     for j in range(JOINTS):
-        amplitude, omega = numbers[AMPLITUDE + j], numbers[OMEGA + j]
-        angle = omega * t + numbers[PHASE + j]
+        amplitude, omega = numbers[SINES + j], numbers[SINES + JOINTS + j]
+        angle = omega * t + numbers[SINES + 2 * JOINTS + j]
         if angle != last:  # joints that swing together share it, as in the paper
             sine, cosine, last = sin(angle), cos(angle), angle
-        work[QD, j] = numbers[OFFSET + j] + amplitude * sine
+        work[QD, j] = numbers[SINES + 3 * JOINTS + j] + amplitude * sine
         work[VD, j] = amplitude * omega * cosine
         work[AD, j] = -omega * omega * amplitude * sine
 
@@ -230,7 +231,8 @@ def _quintic(t, numbers, work):  # type: ignore[no-untyped-def]
     rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration
     bend = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration)
     for j in range(JOINTS):
-        start, span = numbers[START + j], numbers[END + j] - numbers[START + j]
+        start = numbers[ENDS + j]
+        span = numbers[ENDS + JOINTS + j] - start
         work[QD, j] = start + span * blend
         work[VD, j] = span * rate
         work[AD, j] = span * bend
@@ -244,12 +246,12 @@ def _interpolate(t, numbers, work):  # type: ignore[no-untyped-def]
     place = (turns - np.floor(turns)) * count
     index = min(int(place), count - 1)
     u, h = place - index, period / count
-    first = SAMPLES + index * SAMPLE_SIZE
-    second = first + SAMPLE_SIZE
+    first = SAMPLES + index * 3 * JOINTS
+    second = first + 3 * JOINTS
     for j in range(JOINTS):
-        q0, q1 = numbers[first + SAMPLE_Q + j], numbers[second + SAMPLE_Q + j]
-        v0, v1 = numbers[first + SAMPLE_V + j], numbers[second + SAMPLE_V + j]
-        a0, a1 = numbers[first + SAMPLE_A + j], numbers[second + SAMPLE_A + j]
+        q0, q1 = numbers[first + j], numbers[second + j]
+        v0, v1 = numbers[first + JOINTS + j], numbers[second + JOINTS + j]
+        a0, a1 = numbers[first + 2 * JOINTS + j], numbers[second + 2 * JOINTS + j]
         rise = q1 - q0 - h * v0 - 0.5 * h * h * a0
         slope = h * (v1 - v0) - h * h * a0
         curve = h * h * (a1 - a0)

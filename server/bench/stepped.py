@@ -14,9 +14,10 @@ import pinocchio as pin
 from slidetune.robot.arm.dynamics import chain_of, dynamics
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import evaluate_arm, kernel_table
 from slidetune.robot.integrator.stages import FIRST, make_stage
-from slidetune.robot.kernels.workspace import CURRENT, RECORD_COLUMNS, Q, V
+from slidetune.robot.kernels.workspace import CURRENT, RECORD, Q, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.horizon import stepped_rows
 from slidetune.robot.loop.lane import Lane
@@ -92,7 +93,7 @@ def _empty(t, row, table):  # type: ignore[no-untyped-def]
 
 def _kernels(packed: Packed, loops: int) -> tuple[Timing, Timing]:
     """Return the timings of a compiled function without a body and of a law's first stage."""
-    lane = Lane("A", packed, np.zeros((WARM, RECORD_COLUMNS)))
+    lane = Lane("A", packed, np.zeros((WARM, len(RECORD), JOINTS)))
     for row in range(WARM):
         lane.step(row * WARM_STEP, row, row)
     arm = dynamics(packed.model, lane.work[Q], lane.work[V])
@@ -109,7 +110,7 @@ def _recursion(packed: Packed, loops: int) -> list[Case]:
     """Return the case of the compiled recursion; none where it can't stand for Pinocchio."""
     if packed.chain is None:
         return []
-    lane = Lane("A", packed, np.zeros((1, RECORD_COLUMNS)))
+    lane = Lane("A", packed, np.zeros((1, len(RECORD), JOINTS)))
     arm = chain_of(packed.chain)
     rest = (packed.gains["A"], packed.environment, packed.trajectory, lane.work, lane.record)
     table = kernel_table(arm, arm, *rest)
@@ -127,7 +128,7 @@ def stepped(document: dict[str, Any], horizon: float) -> Timing:
     settings = {"horizon": horizon, **document["simulation"]}
     packed = pack(Experiment.from_document({**document, "simulation": settings}))
     count = packed.experiment.simulation.rows
-    lane = Lane("A", packed, np.zeros((count, RECORD_COLUMNS)))
+    lane = Lane("A", packed, np.zeros((count, len(RECORD), JOINTS)))
 
     def measure() -> float:
         lane.restart(packed)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.goals.section import CHANNELS, FigureGoal, Goal, ResponseGoal
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.figures import FIGURES
@@ -148,7 +147,7 @@ class GoalWatch:
             values, greatest = values[inside.argmax() :], greatest[inside.argmax() :]
         if (worst := float(greatest.max())) <= goal.bound:
             return ""
-        joint = int(values[greatest.argmax()].argmax()) + 1 if values.shape[1] == JOINTS else 0
+        joint = int(values[greatest.argmax()].argmax()) + 1 if values.shape[1] > 1 else 0
         return _words(symbol, goal, worst, unit, joint)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from slidetune.robot.kernels.workspace import CAPPED, TALLY, UNSOLVED
+from slidetune.robot.kernels.workspace import CAPPED, UNSOLVED
 from slidetune.robot.loop.closed_loop import ClosedLoop
 
 WINDOW = 1.0
@@ -33,7 +33,7 @@ class Roughness:
         if rows * loop.period < WINDOW and rows >= 0:
             return
         counted = {
-            name: float(lane.work[TALLY, CAPPED] + lane.work[TALLY, UNSOLVED])
+            name: float(lane.work[CAPPED, 0] + lane.work[UNSOLVED, 0])
             for name, lane in loop.lanes.items()
         }
         # Below 0 the session went back in time: what was counted belongs to no rows that are left.

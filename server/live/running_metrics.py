@@ -133,7 +133,7 @@ class RunningMetrics:
         self.restart_total(time, reason)
         self._spans: deque[tuple[int, Sums]] = deque()
         self._torque: Array | None = None
-        self._turns = unturned()
+        self._turns = unturned(len(self._columns["e"]))
 
     def restart_total(self, time: float, reason: str) -> None:
         """Let the total count anew; the last ten seconds are what they are.
@@ -175,7 +175,7 @@ class RunningMetrics:
         squares = np.einsum("ij,ij->i", gap, gap)
         jump = 0.0 if self._torque is None else float(np.abs(torque[0] - self._torque).sum())
         self._torque = torque[-1].copy()
-        way, reversals = np.zeros((2, JOINTS))
+        way, reversals = np.zeros((2, torque.shape[1]))
         follow_torque(torque, self._turns, way, reversals)
         return Sums(
             time=len(rows) * period,

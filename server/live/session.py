@@ -346,7 +346,7 @@ class Session:
         self._restarted()
 
     def _new_lanes(self) -> None:
-        self.telemetry = Telemetry(list(self.loop.lanes))
+        self.telemetry = Telemetry(list(self.loop.lanes), self.loop.packed.joints)
         if self.view is not None:
             self.view.new_lanes(self.telemetry.columns)
 

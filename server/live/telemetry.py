@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.arm.arm import flange_positions
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import RECORD
 from slidetune.robot.loop.closed_loop import ClosedLoop
 
@@ -34,7 +33,7 @@ SHARED = (("q_d", "rad"), ("v_d", "rad/s"))
 OWN = (("e", "rad"), ("de", "rad/s"), ("tau", "N·m"), ("S", "rad/s"), ("f", "N·m"))
 AXES = ("x", "y", "z")
 
-_COLUMN = {name: slice(JOINTS * i, JOINTS * (i + 1)) for i, name in enumerate(RECORD)}
+_GROUP = {name: index for index, name in enumerate(RECORD)}
 
 
 @dataclass(frozen=True)
@@ -48,36 +47,37 @@ class Channel:
     unit: str
 
 
-def channels(lanes: list[str]) -> list[Channel]:
+def channels(lanes: list[str], joints: int) -> list[Channel]:
     """Return the columns of a row, in order: what all share, then each lane's own."""
 
-    def joints(group: str, unit: str, lane: str = "") -> list[Channel]:
+    def each(group: str, unit: str, lane: str = "") -> list[Channel]:
         prefix = f"{lane}/" if lane else ""
-        return [Channel(f"{prefix}{group}{j}", group, j, lane, unit) for j in range(1, JOINTS + 1)]
+        return [Channel(f"{prefix}{group}{j}", group, j, lane, unit) for j in range(1, joints + 1)]
 
     def axes(group: str, lane: str = "") -> list[Channel]:
         prefix = f"{lane}/" if lane else ""
         return [Channel(f"{prefix}{group}_{axis}", group, axis, lane, "m") for axis in AXES]
 
-    columns = [channel for group, unit in SHARED for channel in joints(group, unit)]
+    columns = [channel for group, unit in SHARED for channel in each(group, unit)]
     columns += axes("flange_d")
     for lane in lanes:
-        columns += [channel for group, unit in OWN for channel in joints(group, unit, lane)]
-        columns += joints("weights", "N·m", lane) + axes("flange", lane)
+        columns += [channel for group, unit in OWN for channel in each(group, unit, lane)]
+        columns += each("weights", "N·m", lane) + axes("flange", lane)
     return columns
 
 
 def rows_of(loop: ClosedLoop, first: int, last: int) -> Array:
     """Return the telemetry of the steps ``first`` to ``last - 1``. Shape (n, columns)."""
     index = np.arange(first, last) % loop.rows
+    places = loop.packed.places
     records = [lane.record[index] for lane in loop.lanes.values()]
-    desired = records[0][:, _COLUMN["q_d"]], records[0][:, _COLUMN["v_d"]]
-    blocks: list[Array] = [*desired, flange_positions(desired[0])]
+    desired = records[0][:, _GROUP["q_d"]], records[0][:, _GROUP["v_d"]]
+    blocks: list[Array] = [*desired, flange_positions(desired[0], places)]
     for record in records:
-        q = record[:, _COLUMN["q"]]
-        blocks += [desired[0] - q, desired[1] - record[:, _COLUMN["v"]]]
-        blocks += [record[:, _COLUMN[name]] for name in ("tau", "S", "f", "weights")]
-        blocks.append(flange_positions(q))
+        q = record[:, _GROUP["q"]]
+        blocks += [desired[0] - q, desired[1] - record[:, _GROUP["v"]]]
+        blocks += [record[:, _GROUP[name]] for name in ("tau", "S", "f", "weights")]
+        blocks.append(flange_positions(q, places))
     return np.hstack(blocks)
 
 
@@ -92,9 +92,9 @@ class Telemetry:
         written: how many rows have been written in all.
     """
 
-    def __init__(self, lanes: list[str], rows: int = ROWS) -> None:
+    def __init__(self, lanes: list[str], joints: int, rows: int = ROWS) -> None:
         """Make room for ``rows`` rows."""
-        self.columns = channels(lanes)
+        self.columns = channels(lanes, joints)
         self.written = 0
         self._rows = rows
         self._data = np.zeros((rows, len(self.columns)), dtype=np.float32)

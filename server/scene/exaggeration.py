@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 
 Array = np.ndarray
 
@@ -51,6 +51,6 @@ def exaggerated_positions(
     """
     if factor == 1.0:
         return actual
-    drawn = flange_positions(exaggerated_angles(q_d, q, factor))
-    positions: Array = desired + drawn - flange_positions(q_d)
+    drawn = flange_positions(exaggerated_angles(q_d, q, factor), shipped_places())
+    positions: Array = desired + drawn - flange_positions(q_d, shipped_places())
     return positions

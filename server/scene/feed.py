@@ -138,10 +138,10 @@ class SceneFeed:
         if self._responses is not None:
             responses, self._responses = self._responses, None
             self.scene.show_responses(responses)
-        moment = self._looked_at(loop)
+        moment, packed = self._looked_at(loop), loop.packed
         q_d = next(iter(lanes.values())).work[QD]
         if moment is not None:
-            q_d = desired_motion(loop.packed.trajectory, np.array([moment.time]))[0][0]
+            q_d = desired_motion(packed.trajectory, np.array([moment.time]), packed.joints)[0][0]
         angles = moment.angles() if moment is not None else {}
         stops = moment.freezes if moment is not None else {}
         self.scene.update(
@@ -212,7 +212,8 @@ class SceneFeed:
             return
         self._shown = shown
         time = np.linspace(0.0, experiment.simulation.horizon, PATH_POINTS)
-        desired = flange_positions(desired_motion(packed.trajectory, time)[0])
+        q_d, _ = desired_motion(packed.trajectory, time, packed.joints)
+        desired = flange_positions(q_d, packed.places)
         styles = [LaneStyle(name, self._colors.of(name)) for name in lanes]
         self.scene.configure(styles, self.selected, experiment.robot, desired)
         self.scene.view(self.exaggeration, self.ghosts)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 from slidetune.robot.arm.description import LINK_NAMES
 from slidetune.robot.arm.section import Robot
 from slidetune.server.live.pull import Pull
@@ -195,7 +195,7 @@ class Scene:
             return
         desired = np.array([lane.q_d for _, lane in known])
         angles = exaggerated_angles(desired, np.array([lane.q for _, lane in known]), self._factor)
-        flanges = flange_positions(np.vstack([angles, q_d]))
+        flanges = flange_positions(np.vstack([angles, q_d]), shipped_places())
         self._desired.mark(flanges[-1])
         turned = joint_orientations(angles)
         shown = zip(known, angles, flanges, turned, strict=False)

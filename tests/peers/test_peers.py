@@ -14,8 +14,9 @@ import pytest
 
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import cutting_of
-from slidetune.robot.kernels.workspace import NODES, RECORD_COLUMNS, Q, V, W
+from slidetune.robot.kernels.workspace import NODES, RECORD, Q, V, W
 from slidetune.robot.loop.lane import Lane
 from tests.peers import numpy_on_pinocchio, ours
 from tests.peers.contest import Worker
@@ -52,7 +53,7 @@ def test_from_the_same_state_numpy_and_a_lane_take_the_same_step(scheme: str) ->
     names = dict.fromkeys(set(load_preset("paper").lanes) - {ours.LANE})
     settings = {"lanes": names, "simulation": {"scheme": scheme}}
     packed = pack(load_preset("paper").patched(settings))
-    lane = Lane(ours.LANE, packed, np.zeros((1000, RECORD_COLUMNS)), cutting_of(halvings=0))
+    lane = Lane(ours.LANE, packed, np.zeros((1000, len(RECORD), JOINTS)), cutting_of(halvings=0))
     make = {"plain": plain_step, "extrapolated": extrapolated_step}[scheme]
     step = make(problem, numpy_on_pinocchio.mass_and_bias(problem))
     for row in range(1000):

@@ -11,7 +11,7 @@ from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.law_call import Control
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS, WORK_ROWS
+from slidetune.robot.kernels.workspace import RECORD, WORK_ROWS
 from slidetune.robot.motion.trajectory import HoldTrajectory, pack_trajectory
 
 Array = np.ndarray
@@ -50,7 +50,7 @@ def table_of(
         pack_environment(Disturbance(), 0.0, 0.0, None) if environment is None else environment,
         pack_trajectory(HoldTrajectory()) if trajectory is None else trajectory,
         np.zeros((WORK_ROWS, JOINTS)) if work is None else work,
-        np.zeros((1, RECORD_COLUMNS)) if record is None else record,
+        np.zeros((1, len(RECORD), JOINTS)) if record is None else record,
         control=control,
         step=step,
         period=period,

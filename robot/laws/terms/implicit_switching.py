@@ -17,7 +17,6 @@ from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.elimination import solve_symmetric
 from slidetune.robot.kernels.workspace import (
     CURVE,
-    FLAGS,
     GAIN,
     LOAD,
     MATRIX,
@@ -29,7 +28,7 @@ from slidetune.robot.kernels.workspace import (
     YIELD,
     S,
 )
-from slidetune.robot.laws.terms.switching import CODES, CONSTANT, K1, K2, REACHING_CODE
+from slidetune.robot.laws.terms.switching import CONSTANT, K1, K2, REACHING_CODE
 
 SWEEPS = 50
 """Sweeps over all joints at most (*ours*); 30,000 drawn arms and gains took 5 or fewer."""
@@ -49,8 +48,8 @@ def implicit_reach_shaped(work):  # type: ignore[no-untyped-def]
     Args:
         work: workspace; reads S, CURVE and the control period, writes REACH and GAIN.
     """
-    period = work[FLAGS, PERIOD]
-    constant = work[CURVE + CODES, REACHING_CODE] == CONSTANT
+    period = work[PERIOD, 0]
+    constant = work[CURVE + REACHING_CODE, 0] == CONSTANT
     for j in range(JOINTS):
         k1, k2, s = work[CURVE + K1, j], work[CURVE + K2, j], work[S, j]
         k1 = 0.0 if constant else k1
@@ -79,8 +78,8 @@ def implicit_reach(inertia, work):  # type: ignore[no-untyped-def]
         inertia: M of the nominal arm. Shape (6, 6).
         work: workspace; reads S, S_V, CURVE and the control period, writes REACH and GAIN.
     """
-    period = work[FLAGS, PERIOD]
-    constant = work[CURVE + CODES, REACHING_CODE] == CONSTANT
+    period = work[PERIOD, 0]
+    constant = work[CURVE + REACHING_CODE, 0] == CONSTANT
     for i in range(JOINTS):
         load = 0.0
         for j in range(JOINTS):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from slidetune.robot.fields.quantity import JOINTS, PerJoint, field
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import BENDS, FLAGS, REACH, SHAPE, SHAPED, TAU
+from slidetune.robot.kernels.workspace import BENDS, REACH, SHAPE, SHAPED, TAU
 from slidetune.robot.laws.terms.switching import ReachingGains
 
 
@@ -63,7 +63,7 @@ def shape_by_inertia(inertia, work):  # type: ignore[no-untyped-def]
         inertia: M of the nominal arm. Shape (6, 6).
         work: workspace; writes SHAPE.
     """
-    work[FLAGS, SHAPED], work[FLAGS, BENDS] = 1.0, 0.0
+    work[SHAPED, 0], work[BENDS, 0] = 1.0, 0.0
     for i in range(JOINTS):
         for j in range(JOINTS):
             work[SHAPE + i, j] = inertia[i, j]

@@ -102,9 +102,9 @@ class NetworkGains(Section):
         """Distance between the centres of two neighbouring Gaussians in [rad]."""
         return 2.0 * self.center_span / (NODES - 1)
 
-    def pack_network(self) -> Array:
-        """Return the network as numbers. Shape (6, 6)."""
-        block = np.zeros((NETWORK_ROWS, JOINTS))
+    def pack_network(self, joints: int = JOINTS) -> Array:
+        """Return the network as numbers. Shape (6, n)."""
+        block = np.zeros((NETWORK_ROWS, joints))
         block[SHARPNESS] = 0.5 / np.square(self.width)
         block[DECAY] = np.exp(-2.0 * block[SHARPNESS] * self.spacing**2)
         block[PHI], block[SIGMA], block[SPAN] = self.learning_rate, self.leakage, self.center_span

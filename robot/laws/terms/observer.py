@@ -22,7 +22,6 @@ from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
     COMMAND,
-    FLAGS,
     MEASURED_V,
     NETWORK,
     OBSERVED,
@@ -73,9 +72,9 @@ class ObserverGains(Section):
         "noise of the measured velocity.",
     )
 
-    def pack_observer(self) -> Array:
-        """Return rate and kind as numbers. Shape (2, 6)."""
-        block = np.empty((OBSERVER_ROWS, JOINTS))
+    def pack_observer(self, joints: int = JOINTS) -> Array:
+        """Return rate and kind as numbers. Shape (2, n)."""
+        block = np.empty((OBSERVER_ROWS, joints))
         block[RATE], block[KIND] = self.observer_rate, OBSERVERS.index(self.observer)
         return block
 
@@ -96,7 +95,7 @@ def observe_loss(block, state, own, inertia, work):  # type: ignore[no-untyped-d
         inertia: M of the nominal arm. Shape (6, 6).
         work: workspace with the measured velocity and the law's torque.
     """
-    memory, period = state + W + own, work[FLAGS, PERIOD]
+    memory, period = state + W + own, work[PERIOD, 0]
     for i in range(JOINTS):
         loss, span = work[memory + LOSS, i], work[memory + SPAN, i]
         if period > 0.0 and span > 0.0:
@@ -127,7 +126,7 @@ def advance_observer(h, block, into, own, inertia, bias, work):  # type: ignore[
         bias: C v + G of the nominal arm. Shape (6,).
         work: workspace with the solved step and the limited torque: COMMAND, or sampled TAU.
     """
-    memory, sampled = into + W + own, work[FLAGS, PERIOD] > 0.0
+    memory, sampled = into + W + own, work[PERIOD, 0] > 0.0
     for i in range(JOINTS):
         loss, v, undriven = work[OBSERVED, i], 0.0, 0.0
         if sampled:

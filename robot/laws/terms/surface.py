@@ -118,9 +118,9 @@ class NftsmSurface(Section):
             raise refusal("p", self.p, text)
         return self
 
-    def pack_surface(self) -> Array:
-        """Return the surface as numbers. Shape (4, 6)."""
-        block = np.empty((NFTSM_ROWS, JOINTS))
+    def pack_surface(self, joints: int = JOINTS) -> Array:
+        """Return the surface as numbers. Shape (4, n)."""
+        block = np.empty((NFTSM_ROWS, joints))
         block[NU], block[C], block[MU] = self.nu, self.c, self.mu
         block[RATIO] = np.divide(self.p, self.k)
         return block
@@ -143,9 +143,9 @@ class LinearSurface(Section):
         meaning="On the surface the error decays with time constant 1/λ; not given in the paper.",
     )
 
-    def pack_surface(self) -> Array:
-        """Return the surface as numbers. Shape (1, 6)."""
-        return np.full((LINEAR_ROWS, JOINTS), self.lambda_)
+    def pack_surface(self, joints: int = JOINTS) -> Array:
+        """Return the surface as numbers. Shape (1, n)."""
+        return np.full((LINEAR_ROWS, joints), self.lambda_)
 
 
 @inlined

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from slidetune.robot.fields.quantity import JOINTS, Number, PerJoint, Section, field, refusal
 from slidetune.robot.kernels.compiler import inlined, kernel
-from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, FLAGS, GAIN, PERIOD, REACH, S
+from slidetune.robot.kernels.workspace import CURVE, CURVE_ROWS, GAIN, PERIOD, REACH, S
 
 Array = np.ndarray
 
@@ -32,9 +32,9 @@ steps of 1 ms, and to 1.3e-4 at the longest, 5 ms."""
 TANH, SATURATION, SIGN, IMPLICIT = 0, 1, 2, 3
 EXPONENTIAL, CONSTANT, POWER, TWISTING = 0, 1, 2, 3
 
-K1, K2, EPSILON, ALPHA, CODES = range(CURVE_ROWS)
-# Columns of the row CODES: two codes, and whether this is a reaching law at all.
-SWITCHING_CODE, REACHING_CODE, IS_REACHING = range(3)
+K1, K2, EPSILON, ALPHA = range(4)
+# In column 0: two codes, and whether this is a reaching law at all.
+SWITCHING_CODE, REACHING_CODE, IS_REACHING = range(4, CURVE_ROWS)
 
 
 class ReachingGains(Section):
@@ -132,17 +132,18 @@ class ReachingGains(Section):
             raise refusal("switching", self.switching, text)
         return self
 
-    def pack_reaching(self) -> Array:
-        """Return the reaching law as numbers. Shape (5, 6)."""
-        block = np.zeros((CURVE_ROWS, JOINTS))
+    def pack_reaching(self, joints: int = JOINTS) -> Array:
+        """Return the reaching law as numbers. Shape (7, n)."""
+        block = np.zeros((CURVE_ROWS, joints))
         block[K1], block[K2], block[EPSILON], block[ALPHA] = (
             self.k1,
             self.k2,
             self.epsilon,
             self.alpha,
         )
-        codes = SWITCHINGS.index(self.switching), REACHINGS.index(self.reaching), 1.0
-        block[CODES, : len(codes)] = codes
+        block[SWITCHING_CODE, 0] = SWITCHINGS.index(self.switching)
+        block[REACHING_CODE, 0] = REACHINGS.index(self.reaching)
+        block[IS_REACHING, 0] = 1.0
         return block
 
 
@@ -213,8 +214,8 @@ def reaching(block, j, s):  # type: ignore[no-untyped-def]
     Returns:
         Value [N m] and slope [N m s/rad].
     """
-    law, k1, k2 = block[CODES, REACHING_CODE], block[K1, j], block[K2, j]
-    value, slope = switch(block[CODES, SWITCHING_CODE], s, block[EPSILON, j])
+    law, k1, k2 = block[REACHING_CODE, 0], block[K1, j], block[K2, j]
+    value, slope = switch(block[SWITCHING_CODE, 0], s, block[EPSILON, j])
     if law == EXPONENTIAL:
         return k1 * s + k2 * value, k1 + k2 * slope
     if law == CONSTANT:
@@ -238,11 +239,11 @@ def reach(block, work):  # type: ignore[no-untyped-def]
         work: workspace; reads S.
     """
     # Once after the lane was bound: its gains stay as they are until it is bound anew.
-    if work[CURVE + CODES, IS_REACHING] == 0.0:
+    if work[CURVE + IS_REACHING, 0] == 0.0:
         for row in range(CURVE_ROWS):
             for j in range(JOINTS):
                 work[CURVE + row, j] = block[row, j]
-        if block[CODES, SWITCHING_CODE] == IMPLICIT and work[FLAGS, PERIOD] == 0.0:
-            work[CURVE + CODES, SWITCHING_CODE] = SIGN
+        if block[SWITCHING_CODE, 0] == IMPLICIT and work[PERIOD, 0] == 0.0:
+            work[CURVE + SWITCHING_CODE, 0] = SIGN
     for j in range(JOINTS):
         work[REACH, j], work[GAIN, j] = reaching(block, j, work[S, j])

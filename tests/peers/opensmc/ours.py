@@ -11,7 +11,7 @@ from slidetune.robot.environment.layout import pack_environment
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.kernel_arrays import kernel_table
 from slidetune.robot.integrator.stages import sample
-from slidetune.robot.kernels.workspace import FLAGS, PERIOD, RECORD_COLUMNS, TAU, WORK_ROWS, Q, V
+from slidetune.robot.kernels.workspace import PERIOD, RECORD, TAU, WORK_ROWS, Q, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.motion.trajectory import (
     HoldTrajectory,
@@ -52,7 +52,7 @@ def run(gains: Gains, key: str, seconds: float) -> Array:
     lane = law.lane(**gains)
     work = np.zeros((WORK_ROWS, JOINTS))
     work[Q, :LINKS], work[V, :LINKS] = task.q0, task.v0
-    work[FLAGS, PERIOD] = STEP
+    work[PERIOD, 0] = STEP
     M, h = inertia(work[Q]), bias(work[Q], work[V])
     model = pin.Model()
     arm = Dynamics(model, model.createData(), lambda: None, M, h)
@@ -63,7 +63,7 @@ def run(gains: Gains, key: str, seconds: float) -> Array:
         pack_environment(Disturbance(), 0.0, 0.0, None),
         pack_trajectory(TRAJECTORIES[key]),
         work,
-        np.zeros((1, RECORD_COLUMNS)),
+        np.zeros((1, len(RECORD), JOINTS)),
         **law.used_by(lane).kernels,
         step=STEP,
         period=STEP,

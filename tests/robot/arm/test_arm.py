@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions, nominal_arm
+from slidetune.robot.arm.arm import (
+    FLANGE,
+    build_model,
+    flange_positions,
+    nominal_arm,
+    shipped_places,
+)
 from slidetune.robot.arm.description import DATASHEET_MASS, VENDOR_MASS
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.fields.quantity import JOINTS
@@ -153,13 +159,13 @@ def test_flange_is_where_pinocchio_sees_it() -> None:
     for q in angles:
         pin.framesForwardKinematics(model, data, q)
         expected.append(data.oMf[frame].translation.copy())
-    np.testing.assert_allclose(flange_positions(angles), expected, atol=1e-12)
+    np.testing.assert_allclose(flange_positions(angles, shipped_places()), expected, atol=1e-12)
 
 
 def test_flange_of_an_unknown_pose_is_unknown_and_no_error() -> None:
     angles = np.zeros((3, JOINTS))
     angles[1, 2] = np.nan
-    found = flange_positions(angles)
+    found = flange_positions(angles, shipped_places())
     assert np.isfinite(found[[0, 2]]).all()
     assert np.isnan(found[1]).any()
-    assert flange_positions(np.empty((0, JOINTS))).shape == (0, 3)
+    assert flange_positions(np.empty((0, JOINTS)), shipped_places()).shape == (0, 3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from slidetune.robot.environment.disturbance import Disturbance
-from slidetune.robot.environment.layout import SENSOR, pack_environment
+from slidetune.robot.environment.layout import SENSOR_Q, SENSOR_V, pack_environment
 from slidetune.robot.environment.sensor import measure
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.workspace import MEASURED_Q, MEASURED_V, WORK_ROWS, Q, V
@@ -82,4 +82,4 @@ def test_noise_on_the_angle_alone_leaves_the_velocity() -> None:
     q, v = measured(noisy(velocity=0.0), [1, 2])
     assert q.any()
     assert not v.any()
-    assert environment()[SENSOR, :2].tolist() == [0.0, 0.0]
+    assert environment()[[SENSOR_Q, SENSOR_V], 0].tolist() == [0.0, 0.0]

@@ -34,10 +34,8 @@ from slidetune.robot.integrator.law_call import RAISED
 from slidetune.robot.kernels.workspace import (
     CAPPED,
     CUT,
-    ERRORS,
-    RECORD_COLUMNS,
+    RECORD,
     RESIGNED,
-    TALLY,
     UNSOLVED,
     WORK_ROWS,
     WRONG,
@@ -64,7 +62,7 @@ class Attempts:
     def attempt(self, t: float, row: int) -> int:
         h = float(self.numbers[STEP])
         good = h <= self.longest(t) * (1.0 + 1e-9)
-        self.work[ERRORS, WRONG] = 0.5 if good else 3.0
+        self.work[WRONG, 0] = 0.5 if good else 3.0
         if not good and self.numbers[TOLERANCE] != np.inf:
             return REFUSED
         self.made.append((t, h))
@@ -96,7 +94,7 @@ def test_parts_follow_each_other_and_fill_the_row() -> None:
     starts, lengths = np.array(attempts.made).T
     np.testing.assert_allclose(starts[1:], np.cumsum(lengths)[:-1], atol=1e-15)
     assert lengths.sum() == pytest.approx(H)
-    assert (work[TALLY, CUT], work[TALLY, CAPPED]) == (1.0, 0.0)
+    assert (work[CUT, 0], work[CAPPED, 0]) == (1.0, 0.0)
     # Short where it has to be, long where it may be.
     assert lengths.min() == pytest.approx(H / 64)
     assert lengths.max() == pytest.approx(H / 2)
@@ -110,7 +108,7 @@ def test_the_first_part_alone_records_the_row() -> None:
 @pytest.mark.parametrize("scheme", ["plain", "extrapolated"])
 def test_a_lane_that_is_let_go_frees_its_memory_at_once(scheme: str) -> None:
     experiment = {"lanes": {"A": {"law": "smc"}}, "simulation": {"scheme": scheme}}
-    lane = Lane("A", pack(Experiment.from_document(experiment)), np.zeros((2, RECORD_COLUMNS)))
+    lane = Lane("A", pack(Experiment.from_document(experiment)), np.zeros((2, len(RECORD), JOINTS)))
     for row in range(2):
         assert lane.step(row * H, row, row) == 0
     record = weakref.ref(lane.record)
@@ -125,7 +123,7 @@ def test_a_lane_that_is_let_go_frees_its_memory_at_once(scheme: str) -> None:
 def test_a_step_is_halved_so_often_and_no_more() -> None:
     attempts, work = cut(lambda t: 0.0, cutting_of(left=np.inf, refill=0.0))
     assert len(attempts.made) == 2**HALVINGS
-    assert work[TALLY, CAPPED] == 1.0
+    assert work[CAPPED, 0] == 1.0
 
 
 def test_a_joint_that_leaves_its_bounds_ends_the_row() -> None:
@@ -157,7 +155,7 @@ def test_what_cannot_be_solved_is_cut_until_its_attempts_are_spent() -> None:
     attempts, resigned = Attempts(None, cutting), []
 
     def attempt(t: float, row: int) -> int:
-        resigned.append(bool(attempts.work[ERRORS, RESIGNED]))
+        resigned.append(bool(attempts.work[RESIGNED, 0]))
         return 0 if resigned[-1] else STUCK
 
     attempts.attempt = attempt  # type: ignore[method-assign]
@@ -167,24 +165,24 @@ def test_what_cannot_be_solved_is_cut_until_its_attempts_are_spent() -> None:
     cutting[UNSOLVABLE] = 1.0
     assert attempts.make(H, 1) == 0
     assert resigned.count(False) == 8
-    assert attempts.work[ERRORS, RESIGNED] == 0.0
+    assert attempts.work[RESIGNED, 0] == 0.0
 
 
 def test_a_live_session_spends_what_it_has_and_says_so() -> None:
     rows = 2000
     attempts, work = cut(lambda t: H / 32, cutting_of(), rows)
     assert len(attempts.made) <= LIVE_BURST + (LIVE_PARTS + 2.0) * rows
-    assert 0.5 * rows < work[TALLY, CAPPED] < rows
+    assert 0.5 * rows < work[CAPPED, 0] < rows
     # Rare cuts cost nothing of the pace: none of them is capped.
     _, work = cut(lambda t: H / 32 if round(t / H) % 100 == 0 else H, cutting_of(), rows)
-    assert work[TALLY, CAPPED] == 0.0
+    assert work[CAPPED, 0] == 0.0
 
 
 def test_a_whole_run_may_take_more_but_not_without_end() -> None:
     rows = 100
     attempts, work = cut(lambda t: 0.0, cutting_of_whole_run(rows), rows)
     assert len(attempts.made) <= 22 * rows
-    assert work[TALLY, CAPPED] == rows
+    assert work[CAPPED, 0] == rows
 
 
 @pytest.mark.parametrize("mode", ["continuous", "sampled"])
@@ -205,7 +203,7 @@ def test_torque_limits_hold(law: str, mode: str) -> None:
     }
     packed = pack(Experiment.from_document(document))
     # Steps that are not cut: then the motion from row to row tells one torque.
-    lane = Lane("A", packed, np.zeros((301, RECORD_COLUMNS)), cutting_of(halvings=0))
+    lane = Lane("A", packed, np.zeros((301, len(RECORD), JOINTS)), cutting_of(halvings=0))
     for row in range(301):
         assert lane.step(row * 1e-3, row, row) == 0
     q, v, tau = lane.record[:, : 3 * JOINTS].reshape(301, 3, JOINTS).transpose(1, 0, 2)
@@ -228,10 +226,10 @@ def test_a_run_that_can_not_be_solved_comes_to_an_end() -> None:
         begin_parts(row * H, cutting, table)
         while next_part(cutting, table):
             # An attempt that may not be cut counts as unsolved, and its error would have it cut.
-            last, resigned = numbers[TOLERANCE] == np.inf, work[ERRORS, RESIGNED] != 0.0
+            last, resigned = numbers[TOLERANCE] == np.inf, work[RESIGNED, 0] != 0.0
             unsolved += 1
             if last or resigned:
-                work[TALLY, UNSOLVED] += 1.0
+                work[UNSOLVED, 0] += 1.0
             end_part(0 if last else REFUSED if resigned else STUCK, cutting, table)
         assert cutting[RESULT] == 0.0
     # Each takes half a millisecond.

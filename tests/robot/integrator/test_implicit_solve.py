@@ -20,7 +20,6 @@ from slidetune.robot.kernels.workspace import (
     BENDS,
     CURRENT,
     F_SLOPE,
-    FLAGS,
     FULL,
     HELD,
     HELD_TORQUE,
@@ -90,7 +89,7 @@ class Drawn:
         self.share = np.eye(JOINTS)
         if shaped:
             # A nominal arm of the same shape, as a model-based law has it.
-            work[FLAGS, SHAPED] = 1.0
+            work[SHAPED, 0] = 1.0
             self.share = 0.9 * self.M / work[S_V]
             work[SHAPE : SHAPE + JOINTS] = self.share
         work[TAU] = self.rest + self.share @ work[REACH]
@@ -153,7 +152,7 @@ def test_sign_holds_a_joint_on_its_surface_with_less_than_k2(shaped: bool) -> No
     held = 0
     for seed in range(60):
         step = Drawn(seed, "sign", "exponential", shaped)
-        if step.work[FLAGS, HELD] == 0.0:
+        if step.work[HELD, 0] == 0.0:
             continue
         held += 1
         on = np.abs(step.end()) <= 1e-12 * (1.0 + np.abs(step.before[S]))
@@ -243,7 +242,7 @@ def test_a_shaped_law_has_the_slope_of_the_surface_at_the_end(
         step = Drawn(seed, switching, reaching, shaped=True)
         work, h, nu = step.before.copy(), 0.01 * step.h, step.before[S_E]
         c, mu, ratio = np.array([[0.1], [3.0], [5.0 / 3.0]]) * np.ones(JOINTS)
-        work[FLAGS, BENDS], work[TERMINAL_C : TERMINAL_RATIO + 1] = 1.0, (c, mu, ratio)
+        work[BENDS, 0], work[TERMINAL_C : TERMINAL_RATIO + 1] = 1.0, (c, mu, ratio)
 
         def slope(de: Array) -> Array:
             return c + ratio * mu * np.abs(de) ** (ratio - 1.0)  # noqa: B023
@@ -255,7 +254,7 @@ def test_a_shaped_law_has_the_slope_of_the_surface_at_the_end(
         work[TAU] = step.rest + share @ (work[REACH] + nu * de)
         before = work.copy()
         left = implicit_step(h, CURRENT, FULL, step.M, step.bias, step.environment, work)
-        if left > SOLVED or work[FLAGS, HELD]:
+        if left > SOLVED or work[HELD, 0]:
             continue
         compared += 1
         a = (work[FULL + V] - work[V]) / h

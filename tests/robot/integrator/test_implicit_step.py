@@ -30,7 +30,6 @@ from slidetune.robot.kernels.workspace import (
     DELIVERED,
     DRIFT,
     F_SLOPE,
-    FLAGS,
     FULL,
     GAIN,
     HALF,
@@ -41,7 +40,8 @@ from slidetune.robot.kernels.workspace import (
     NETWORK,
     NETWORK_SLOPE,
     NODES,
-    RECORD_COLUMNS,
+    PERIOD,
+    RECORD,
     RIGHT,
     S_E,
     S_V,
@@ -97,15 +97,15 @@ def evaluation(seed: int, shaped: bool = False) -> tuple[Array, Array, Array]:
     M = inertia(random)
     # Only value and slope of the reaching law are known: it is a line.
     work[CURVE : CURVE + CURVE_ROWS] = 0.0
-    work[FLAGS] = 0.0
-    work[FLAGS, SHAPED] = float(shaped)
+    work[SHAPED : PERIOD + 1] = 0.0
+    work[SHAPED, 0] = float(shaped)
     work[SHAPE : SHAPE + JOINTS] = inertia(random) if shaped else np.nan
     return work, M, random.normal(size=JOINTS)
 
 
 def published_step(work: Array, M: Array, bias: Array, h: float) -> Array:
     """Solve the documented equation of one step, written with matrices."""
-    shaped = work[FLAGS, SHAPED] != 0.0
+    shaped = work[SHAPED, 0] != 0.0
     share = work[SHAPE : SHAPE + JOINTS] if shaped else np.eye(JOINTS)
     D, K = share * (work[GAIN] * work[S_V]), share * (work[GAIN] * work[S_E])
     B, H = np.diag(work[F_SLOPE]), work[NETWORK_SLOPE]
@@ -207,7 +207,7 @@ def error_of(lane: dict[str, Any], scheme: str, step: float) -> float:
         packed = pack(Experiment.from_document(document))
         rows = round(0.4 / step) + 1
         # The scheme alone: no step is cut.
-        alone = Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)), cutting_of(halvings=0))
+        alone = Lane("A", packed, np.zeros((rows, len(RECORD), JOINTS)), cutting_of(halvings=0))
         for row in range(rows):
             assert alone.step(row * step, row, row) == 0
         return alone.record[:: round(0.02 / step), :JOINTS]

@@ -22,7 +22,7 @@ from slidetune.robot.integrator.kernel_arrays import (
 )
 from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import RECORD_COLUMNS, TAU, WORK_ROWS
+from slidetune.robot.kernels.workspace import RECORD, TAU, WORK_ROWS
 from tests.robot.kernel_tables import arm_of, table_of
 
 Array = np.ndarray
@@ -60,7 +60,10 @@ def test_a_kernel_sees_every_array_whole() -> None:
     environment = pack_environment(Disturbance(), 1.0, 2.0, None)
     environment[LIMIT] = 9.0
     gains, trajectory = random.normal(size=(9, JOINTS)), random.normal(size=23)
-    work, record = random.normal(size=(WORK_ROWS, JOINTS)), random.normal(size=(7, RECORD_COLUMNS))
+    work, record = (
+        random.normal(size=(WORK_ROWS, JOINTS)),
+        random.normal(size=(7, len(RECORD), JOINTS)),
+    )
     commands = random.normal(size=(3, JOINTS))
     rest = (gains, environment, trajectory, work, record)
     asked: list[list[Array]] = []
@@ -125,7 +128,7 @@ def test_arrays_live_as_long_as_their_wiring() -> None:
         {"work": np.zeros((WORK_ROWS - 1, JOINTS))},
         {"work": np.zeros((WORK_ROWS, JOINTS), np.float32)},
         {"work": np.zeros((WORK_ROWS, 2 * JOINTS))[:, ::2]},
-        {"record": np.zeros((5, RECORD_COLUMNS + 1))},
+        {"record": np.zeros((5, len(RECORD) + 1, JOINTS))},
         {"gains": np.zeros((4, JOINTS - 1))},
         {"environment": np.zeros((3, JOINTS))},
         {"trajectory": np.zeros((4, 2))},

@@ -27,7 +27,6 @@ from slidetune.robot.kernels.workspace import (
     PUSH,
     QD,
     RECORD,
-    RECORD_COLUMNS,
     TAU,
     VD,
     WORK_ROWS,
@@ -90,7 +89,7 @@ def test_plant_step_leaves_the_weights() -> None:
 
 def test_network_learns_once_a_control_period() -> None:
     random = np.random.default_rng(1)
-    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((2, RECORD_COLUMNS))
+    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((2, len(RECORD), JOINTS))
     hidden, weights = random.normal(size=(2, NODES, JOINTS))
     work[HIDDEN : HIDDEN + NODES], work[W : W + NODES] = hidden, weights
     work[S], work[LEARNING], work[LEAKAGE] = random.normal(size=JOINTS), 3.0, 2.0
@@ -100,7 +99,7 @@ def test_network_learns_once_a_control_period() -> None:
 
 
 def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
-    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((1, RECORD_COLUMNS))
+    work, record = np.zeros((WORK_ROWS, JOINTS)), np.zeros((1, len(RECORD), JOINTS))
     limits = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
     environment = pack_environment(Disturbance(), 0.0, 0.0, limits)
     np.testing.assert_array_equal(environment[LIMIT], limits)
@@ -120,7 +119,7 @@ def test_a_torque_that_is_no_number_names_its_joint(value: float) -> None:
 
 def test_a_record_holds_the_columns_that_it_names() -> None:
     packed = pack(Experiment.from_document({"simulation": {"mode": "sampled"}}))
-    lane = Lane("RBFNN-NFTSM", packed, np.zeros((40, RECORD_COLUMNS)))
+    lane = Lane("RBFNN-NFTSM", packed, np.zeros((40, len(RECORD), JOINTS)))
     for number in range(30):
         lane.step(number * 1e-3, number, number)
     q, v, weights = (lane.work[rows].copy() for rows in (Q, V, slice(W, W + NODES)))
@@ -136,7 +135,7 @@ def test_a_record_holds_the_columns_that_it_names() -> None:
 
 def test_a_record_is_of_the_current_state_and_of_its_own_row() -> None:
     work = np.random.default_rng(3).normal(size=(WORK_ROWS, JOINTS))
-    record = np.zeros((3, RECORD_COLUMNS))
+    record = np.zeros((3, len(RECORD), JOINTS))
     environment = pack_environment(Disturbance(), 0.0, 0.0, 1.0)
     work[TAU] = (-9.0, 9.0, 0.5, -0.5, 1.0, 2.0)
     write_record(1, 1, environment, work, record)

@@ -17,7 +17,6 @@ from slidetune.robot.fields.quantity import JOINTS, PerJoint, Section, field
 from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import (
-    FLAGS,
     GAIN,
     REACH,
     S_E,
@@ -225,7 +224,7 @@ def test_a_law_hands_the_implicit_step_the_slopes_of_its_feedback(law: str) -> N
         return torque if silent is None else torque - evaluated(silent, q, v)[TAU]
 
     work = evaluated(lane, q, v)
-    share = work[SHAPE : SHAPE + JOINTS] if work[FLAGS, SHAPED] else np.eye(JOINTS)
+    share = work[SHAPE : SHAPE + JOINTS] if work[SHAPED, 0] else np.eye(JOINTS)
     for joint, ahead in enumerate(1e-6 * np.eye(JOINTS)):
         over_q = (feedback(q + ahead, v) - feedback(q - ahead, v)) / 2e-6
         over_v = (feedback(q, v + ahead) - feedback(q, v - ahead)) / 2e-6
@@ -267,7 +266,7 @@ def toy_control(_state, gains, _M, _nle, work):  # type: ignore[no-untyped-def]
     """τ = g (de + λ e)."""
     linear_surface(gains[:1], work)
     no_network(work)
-    work[FLAGS, SHAPED] = 0.0
+    work[SHAPED, 0] = 0.0
     for j in range(JOINTS):
         work[GAIN, j] = gains[1, j]
         work[REACH, j] = gains[1, j] * work[S, j]

@@ -12,7 +12,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.workspace import W
+from slidetune.robot.kernels.workspace import R_S, W
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.simulate import LaneRun, simulate
@@ -220,10 +220,10 @@ def test_integral_sliding_mode_begins_anew_after_a_reset_and_a_change_of_law(mod
         begin()
         loop.step()
         lane = loop.lanes["A"]
-        assert not lane.record[(loop.number - 1) % 8, 18:24].any()
+        assert not lane.record[(loop.number - 1) % 8, R_S].any()
         for _ in range(30):
             loop.step()
-        assert np.abs(lane.record[(loop.number - 1) % 8, 18:24]).max() > 0.0
+        assert np.abs(lane.record[(loop.number - 1) % 8, R_S]).max() > 0.0
 
 
 @pytest.mark.parametrize("switching", ["tanh", "sign"])

@@ -14,7 +14,7 @@ import pytest
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.accuracy import Accuracy
 from slidetune.robot.loop.figures import FIGURES, STUDIED, Figure, Source, figures_of
-from slidetune.robot.loop.metrics import NO_FIGURES, Metrics
+from slidetune.robot.loop.metrics import Metrics, no_figures
 from slidetune.robot.margins.margin import Margin
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -40,7 +40,7 @@ def test_every_figure_of_a_run_has_an_entry_and_every_entry_is_a_figure() -> Non
 
 @pytest.mark.parametrize("figure", figures_of("run"), ids=lambda figure: figure.name)
 def test_an_entry_says_truly_whether_there_are_six(figure: Figure) -> None:
-    value = getattr(NO_FIGURES, figure.name)
+    value = getattr(no_figures(6), figure.name)
     assert figure.per_joint == (np.shape(value) == (JOINTS,))
     assert (figure.reduced != "none") == figure.per_joint
 

@@ -25,9 +25,7 @@ from slidetune.robot.kernels.workspace import (
     KNOWN,
     LEFT,
     RECORD,
-    RECORD_COLUMNS,
     STATE_ROWS,
-    TALLY,
     TAU,
     UNSOLVED,
     Q,
@@ -139,7 +137,7 @@ def made(
 ) -> Made:
     """Make a lane's rows, so many in one call."""
     count = packed.experiment.simulation.rows
-    lane = Lane(name, packed, np.zeros((count, RECORD_COLUMNS)), cutting_of_whole_run(count))
+    lane = Lane(name, packed, np.zeros((count, len(RECORD), JOINTS)), cutting_of_whole_run(count))
     make, rows = bind(lane, packed), np.zeros(2, np.int64)
     assert make is not None
     while rows[0] < count:
@@ -186,9 +184,9 @@ def same(name: str, document: Document | Experiment) -> Made:
     if not one.code and not one.error:
         state, known = one.lane.work[:STATE_ROWS], other.lane.work[:STATE_ROWS]
         np.testing.assert_allclose(state, known, atol=TOLERANCE * max(1.0, np.abs(known).max()))
-    counts, known = one.lane.work[TALLY], other.lane.work[TALLY]
-    for column in (KNOWN, UNSOLVED, CAPPED, CUT):
-        assert counts[column] == known[column]
+    counts, known = one.lane.work[:, 0], other.lane.work[:, 0]
+    for row in (KNOWN, UNSOLVED, CAPPED, CUT):
+        assert counts[row] == known[row]
     assert counts[LEFT] == pytest.approx(known[LEFT], rel=1e-3, abs=TOLERANCE)
     return one
 
@@ -250,7 +248,7 @@ def test_a_step_is_cut_into_the_same_parts(scheme: str) -> None:
     lanes = {"A": {"law": "rbfnn_nftsm", "nu": 10, "c": 1, "k1": 50, "k2": 50, "epsilon": 0.01}}
     simulation = {"scheme": scheme, "step": 0.005, "horizon": 0.5, "initial_error": 0.3}
     lane = same("A", {"lanes": lanes, "simulation": simulation}).lane
-    assert scheme == "plain" or lane.work[TALLY, CUT] > 0
+    assert scheme == "plain" or lane.work[CUT, 0] > 0
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -363,7 +361,7 @@ def test_an_arm_that_is_no_chain_is_stepped_and_says_so_once(
     packed = pack(experiment)
     assert packed.chain is None
     for name in packed.gains:
-        lane = Lane(name, packed, np.zeros((1, RECORD_COLUMNS)), cutting_of_whole_run(1))
+        lane = Lane(name, packed, np.zeros((1, len(RECORD), JOINTS)), cutting_of_whole_run(1))
         assert bind_rows(lane, packed) is None
     stepped = simulate(experiment)
     told = [record for record in caplog.records if record.name == "slidetune.arm"]
@@ -386,6 +384,6 @@ def test_a_nominal_arm_that_is_no_chain_is_stepped_too() -> None:
     assert packed.chain is not None
     assert packed.nominal_chain is not None
     other = replace(packed, nominal_chain=None)
-    lane = Lane("nftsm", other, np.zeros((1, RECORD_COLUMNS)), cutting_of_whole_run(1))
+    lane = Lane("nftsm", other, np.zeros((1, len(RECORD), JOINTS)), cutting_of_whole_run(1))
     assert bind_rows(lane, other) is None
     assert bind_rows(lane, packed) is not None

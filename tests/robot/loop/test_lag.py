@@ -10,8 +10,9 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import cutting_of
-from slidetune.robot.kernels.workspace import BETWEEN, DELIVERED, RECORD_COLUMNS, TAU
+from slidetune.robot.kernels.workspace import BETWEEN, DELIVERED, RECORD, TAU
 from slidetune.robot.loop.accuracy import damped_growth, difference
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.simulate import LaneRun, simulate
@@ -142,7 +143,7 @@ def test_the_fastest_growth_is_that_of_the_differential_equation() -> None:
 @pytest.mark.parametrize("mode", ["continuous", "sampled"])
 def test_a_lag_that_comes_later_begins_at_the_torque_of_the_joint(mode: str) -> None:
     before = experiment_of("smc", {}, mode=mode)
-    lane = Lane("A", pack(before), np.zeros((10, RECORD_COLUMNS)), cutting_of())
+    lane = Lane("A", pack(before), np.zeros((10, len(RECORD), JOINTS)), cutting_of())
     for number in range(5):
         assert lane.step(number * 1e-3, number, number) == 0
     given = lane.work[TAU].copy()

@@ -18,14 +18,13 @@ from slidetune.robot.kernels.workspace import (
     CURVE,
     CURVE_ROWS,
     DRIFT,
-    FLAGS,
     FULL,
     MEASURED_Q,
     MEASURED_V,
     PERIOD,
     PUSH,
     QD,
-    RECORD_COLUMNS,
+    RECORD,
     STATE_ROWS,
     TAU,
     VD,
@@ -55,7 +54,7 @@ def packed_of(document: dict[str, Any], law: str = "rbfnn_nftsm") -> Packed:
 
 
 def lane_of(packed: Packed, rows: int = 400) -> Lane:
-    return Lane("A", packed, np.zeros((rows, RECORD_COLUMNS)))
+    return Lane("A", packed, np.zeros((rows, len(RECORD), JOINTS)))
 
 
 def stepped(lane: Lane, packed: Packed, steps: int, first: int = 0) -> int:
@@ -117,11 +116,11 @@ def test_a_step_depends_on_nothing_but_the_state(law: str, mode: str) -> None:
         # But for what is written where the lane is bound, and from outside.
         push, drift = scribbled.work[[PUSH, DRIFT]]
         curve = scribbled.work[CURVE : CURVE + CURVE_ROWS].copy()
-        period = scribbled.work[FLAGS, PERIOD]
+        period = scribbled.work[PERIOD, 0]
         scribbled.work[FULL:CHANGE_Q] = random.normal(size=(CHANGE_Q - FULL, JOINTS))
         scribbled.work[CURVE : CURVE + CURVE_ROWS] = curve
         scribbled.work[[PUSH, DRIFT]] = push, drift
-        scribbled.work[FLAGS, PERIOD] = period
+        scribbled.work[PERIOD, 0] = period
         for lane in (left_alone, scribbled):
             assert lane.step(number * 1e-3, number, number) == 0
     np.testing.assert_array_equal(scribbled.record, left_alone.record)

@@ -14,7 +14,7 @@ from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import Advance
 from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.workspace import FLAGS, NODES, PERIOD, RIGHT, S_FALL, S_FREE, TAU, S, W
+from slidetune.robot.kernels.workspace import NODES, PERIOD, RIGHT, S_FALL, S_FREE, TAU, S, W
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.simulate import simulate
@@ -27,7 +27,7 @@ def clock(h, state, into, _gains, _M, _nle, work):  # type: ignore[no-untyped-de
     """Time and the integral of S."""
     for j in range(JOINTS):
         s = work[S, j]
-        if work[FLAGS, PERIOD] == 0.0:
+        if work[PERIOD, 0] == 0.0:
             s = work[S_FREE, j] - work[S_FALL, j] * work[RIGHT, j]
         work[into + W, j] = work[state + W, j] + h
         work[into + W + 1, j] = work[state + W + 1, j] + h * s

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic.fields import FieldInfo
 
-from slidetune.robot.arm.arm import build_model, flange_positions
+from slidetune.robot.arm.arm import build_model, flange_positions, shipped_places
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.errors import InvalidExperimentError
@@ -100,8 +100,12 @@ def test_columns_belong_together() -> None:
             assert getattr(lane, name).shape == (201, JOINTS), name
         np.testing.assert_array_equal(lane.e, run.q_d - lane.q)
         np.testing.assert_array_equal(lane.de, run.v_d - lane.v)
-        np.testing.assert_allclose(lane.flange, flange_positions(lane.q), atol=1e-12)
-        np.testing.assert_allclose(lane.flange_desired, flange_positions(run.q_d), atol=1e-12)
+        np.testing.assert_allclose(
+            lane.flange, flange_positions(lane.q, shipped_places()), atol=1e-12
+        )
+        np.testing.assert_allclose(
+            lane.flange_desired, flange_positions(run.q_d, shipped_places()), atol=1e-12
+        )
         assert lane.freeze is None
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions
+from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions, shipped_places
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.errors import InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
@@ -36,14 +36,14 @@ def desired(circle: CircleTrajectory, turns: float = 1.0, rows: int = 3001) -> t
     """Return times [s], q_d and v_d along a circle, between its samples too."""
     document = {"trajectory": circle.model_dump()}
     times = np.linspace(0.0, turns * circle.period, rows)
-    return times, *desired_motion(pack(Experiment.from_document(document)).trajectory, times)
+    return times, *desired_motion(pack(Experiment.from_document(document)).trajectory, times, 6)
 
 
 def off_circle(circle: CircleTrajectory, q: Array) -> float:
     """Return how far the flange leaves the circle in [m]."""
-    points = flange_positions(q)
+    points = flange_positions(q, shipped_places())
     first, second, normal = AXES[circle.plane]
-    center = flange_positions(np.array([circle.pose]))[0]
+    center = flange_positions(np.array([circle.pose]), shipped_places())[0]
     center[first] -= circle.radius
     away = points - center
     radial = np.hypot(away[:, first], away[:, second]) - circle.radius
@@ -60,7 +60,7 @@ def test_flange_is_on_the_circle(circle: CircleTrajectory) -> None:
 def test_flange_runs_evenly_and_keeps_its_direction(circle: CircleTrajectory) -> None:
     times, q, _ = desired(circle)
     first, second, _ = AXES[circle.plane]
-    points = flange_positions(q)
+    points = flange_positions(q, shipped_places())
     start = points[0].copy()
     angle = 2.0 * np.pi * times / circle.period
     expected = np.tile(start, (len(times), 1))

@@ -11,6 +11,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.kernels.workspace import R_Q, R_QD
 from slidetune.server.live.session import Session
 
 LANES = {"A": {"law": "rbfnn_nftsm"}, "B": {"law": "nftsm"}}
@@ -55,7 +56,7 @@ class Tuning:
     def recorded(self, lane: str, first: int) -> Any:
         """Return the mean error of the recorded rows from that step on, by hand."""
         record = self.session.loop.lanes[lane].record[first : self.session.loop.number]
-        return np.abs(record[:, 36:42] - record[:, :6]).mean(axis=0)
+        return np.abs(record[:, R_QD] - record[:, R_Q]).mean(axis=0)
 
 
 @pytest.fixture
@@ -174,7 +175,7 @@ def test_one_lane_is_reset_where_the_trajectory_is_and_the_others_go_on(tuning: 
     assert tuning.since("A") == (500, "reset")
     tuning.step(1)
     # It begins with the error that the simulation asks for, at the desired velocity, unlearnt.
-    row = loop.lanes["A"].record[500].reshape(8, 6)
+    row = loop.lanes["A"].record[500]
     np.testing.assert_allclose(row[6] - row[0], 0.01)
     np.testing.assert_allclose(row[1], row[7])
     assert not row[4].any()

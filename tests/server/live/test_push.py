@@ -12,6 +12,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.kernels.workspace import R_V
 from slidetune.server.live.session import Session
 
 TORQUE = (5.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -58,7 +59,7 @@ def kicked(rate: float, duration: float, batches: list[int]) -> np.ndarray:
         for count in batches:
             session.step(count)
         settle(session)
-        velocity: np.ndarray = session.loop.lanes["A"].record[: session.loop.number, 6].copy()
+        velocity: np.ndarray = session.loop.lanes["A"].record[: session.loop.number, R_V, 0].copy()
         return velocity
 
 

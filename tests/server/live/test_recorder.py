@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.kernels.workspace import PUSH, TAU
+from slidetune.robot.kernels.workspace import PUSH, R_QD, TAU
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.recorder import INTERVAL, LENGTH, Recorder
 
@@ -164,7 +164,7 @@ def test_whatever_came_after_it_a_restored_moment_repeats_its_future_to_the_last
 def test_a_lane_that_stood_still_stands_there_again() -> None:
     loop, recorder = ClosedLoop(pack(FALLING), 64), Recorder()
     advance(loop, recorder, 300)
-    freeze, row = loop.lanes["A"].freeze, loop.lanes["A"].record[299 % 64, :36].copy()
+    freeze, row = loop.lanes["A"].freeze, loop.lanes["A"].record[299 % 64, :R_QD].copy()
     assert freeze is not None
     loop.restart_lane("A")
     # Until nothing is left of those rows.

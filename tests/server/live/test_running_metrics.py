@@ -47,7 +47,7 @@ def assert_same(found: dict[str, object] | None, wanted: Metrics) -> None:
 
 @pytest.mark.parametrize("chunk", [1, 3, 100])
 def test_figures_are_those_of_the_same_rows_at_once(chunk: int) -> None:
-    columns = channels(LANES)
+    columns = channels(LANES, 6)
     rows = rows_of(13.0, columns)
     running = RunningMetrics(columns, "B")
     for begin in range(0, len(rows), chunk):
@@ -89,7 +89,7 @@ def by_time(rows: Array, periods: Array, columns: list[Channel], lane: str) -> d
 
 @pytest.mark.parametrize("seed", range(8))
 def test_rows_count_by_the_time_that_they_stand_for(seed: int) -> None:
-    random, columns = np.random.default_rng(seed), channels(LANES)
+    random, columns = np.random.default_rng(seed), channels(LANES, 6)
     running = RunningMetrics(columns, "B")
     rows, periods, time = np.empty((0, len(columns))), np.empty(0), 0.0
     for _ in range(25):
@@ -118,7 +118,7 @@ def test_rows_count_by_the_time_that_they_stand_for(seed: int) -> None:
 
 
 def test_one_row_has_no_way_of_the_torque() -> None:
-    columns = channels(LANES)
+    columns = channels(LANES, 6)
     running = RunningMetrics(columns, "A")
     running.add(rows_of(PERIOD, columns), 0.0, PERIOD)
     total = running.document()["total"]
@@ -127,7 +127,7 @@ def test_one_row_has_no_way_of_the_torque() -> None:
 
 
 def test_a_total_that_counts_anew_leaves_the_last_ten_seconds_alone() -> None:
-    columns = channels(LANES)
+    columns = channels(LANES, 6)
     rows = rows_of(6.0, columns)
     running = RunningMetrics(columns, "A")
     for begin in range(0, len(rows), 50):

@@ -12,7 +12,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.kernels.workspace import PUSH, Q
+from slidetune.robot.kernels.workspace import PUSH, R_Q, R_TAU, Q
 from slidetune.robot.loop.simulate import simulate
 from slidetune.server.live.pacing import LONGEST, TICK, Pacer
 from slidetune.server.live.session import Session
@@ -78,8 +78,8 @@ def test_live_rows_are_those_of_simulate(session: Session) -> None:
     settle(session)
     run = simulate(experiment(simulation={"horizon": 0.2}))
     for name, lane in session.loop.lanes.items():
-        np.testing.assert_allclose(lane.record[:200, :6], run.lanes[name].q[:200], atol=1e-12)
-        np.testing.assert_allclose(lane.record[:200, 12:18], run.lanes[name].tau[:200], atol=1e-9)
+        np.testing.assert_allclose(lane.record[:200, R_Q], run.lanes[name].q[:200], atol=1e-12)
+        np.testing.assert_allclose(lane.record[:200, R_TAU], run.lanes[name].tau[:200], atol=1e-9)
 
 
 def test_an_edit_keeps_time_and_state(session: Session) -> None:
@@ -197,8 +197,8 @@ def test_a_branch_repeats_the_past_and_knows_nothing_of_a_later_kick(
     for name, origin in (("A", "A"), ("B", "B"), ("Copy", "A")):
         record = session.loop.lanes[name].record[begin:rows]
         lane = run.lanes[origin]
-        np.testing.assert_allclose(record[:, :6], lane.q[begin:rows], atol=1e-12)
-        np.testing.assert_allclose(record[:, 12:18], lane.tau[begin:rows], atol=1e-8)
+        np.testing.assert_allclose(record[:, R_Q], lane.q[begin:rows], atol=1e-12)
+        np.testing.assert_allclose(record[:, R_TAU], lane.tau[begin:rows], atol=1e-8)
 
 
 def test_a_branch_from_within_a_kick_feels_the_rest_of_it(session: Session) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.kernels.workspace import R_Q, R_QD
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.telemetry import HEADER, LAG, Telemetry, channels, rows_of
 
@@ -21,11 +22,11 @@ def parse(frame: bytes) -> tuple[tuple[int, int, int, int, float, float], np.nda
 
 
 def block(rows: int, start: int = 0) -> np.ndarray:
-    return np.arange(start, start + rows)[:, None] + np.arange(len(channels(LANES))) / 1000.0
+    return np.arange(start, start + rows)[:, None] + np.arange(len(channels(LANES, 6))) / 1000.0
 
 
 def test_a_frame_gives_back_what_was_written() -> None:
-    telemetry = Telemetry(LANES)
+    telemetry = Telemetry(LANES, 6)
     telemetry.write(block(7), time=0.5, period=0.001, revision=3)
     frame = telemetry.frame(0)
     assert frame is not None
@@ -47,7 +48,7 @@ def test_a_frame_gives_back_what_was_written() -> None:
     ids=["revision", "period", "reset"],
 )
 def test_a_frame_never_mixes(second: dict[str, float]) -> None:
-    telemetry = Telemetry(LANES)
+    telemetry = Telemetry(LANES, 6)
     telemetry.write(block(4), time=0.0, period=0.001, revision=1)
     telemetry.write(block(4, 4), **second)  # type: ignore[arg-type]
     first = telemetry.frame(0)
@@ -61,7 +62,7 @@ def test_a_frame_never_mixes(second: dict[str, float]) -> None:
 
 
 def test_a_reader_that_lags_is_skipped_ahead_and_told() -> None:
-    telemetry = Telemetry(LANES, rows=8192)
+    telemetry = Telemetry(LANES, 6, rows=8192)
     for start in range(0, 20000, 500):
         telemetry.write(block(500, start), start * 0.001, 0.001, 1)
     frame = telemetry.frame(100)
@@ -74,7 +75,7 @@ def test_a_reader_that_lags_is_skipped_ahead_and_told() -> None:
 
 
 def test_two_readers_do_not_disturb_each_other() -> None:
-    telemetry = Telemetry(LANES)
+    telemetry = Telemetry(LANES, 6)
     telemetry.write(block(10), 0.0, 0.001, 1)
     one, other = telemetry.frame(0), telemetry.frame(4)
     assert one is not None
@@ -84,7 +85,7 @@ def test_two_readers_do_not_disturb_each_other() -> None:
 
 
 def test_frames_hold_finite_numbers_only() -> None:
-    telemetry = Telemetry(LANES)
+    telemetry = Telemetry(LANES, 6)
     huge = block(3)
     huge[1, 5] = 1e300
     telemetry.write(huge, 0.0, 0.001, 1)
@@ -99,17 +100,17 @@ def test_rows_are_what_the_loop_recorded() -> None:
     for _ in range(100):
         loop.step()
     rows = rows_of(loop, 90, 100)
-    columns = channels(LANES)
+    columns = channels(LANES, 6)
     assert rows.shape == (10, len(columns))
     names = [channel.name for channel in columns]
     record = loop.lanes["B"].record[np.arange(90, 100) % 64]
-    q, q_d = record[:, :6], record[:, 36:42]
+    q, q_d = record[:, R_Q], record[:, R_QD]
     first = names.index("B/e1")
     assert np.allclose(rows[:, first : first + 6], q_d - q, atol=0)
     flange = names.index("B/flange_x")
-    assert np.allclose(rows[:, flange : flange + 3], flange_positions(q))
+    assert np.allclose(rows[:, flange : flange + 3], flange_positions(q, shipped_places()))
 
 
 def test_channels_name_every_column_once() -> None:
-    names = [channel.name for channel in channels(LANES)]
+    names = [channel.name for channel in channels(LANES, 6)]
     assert len(set(names)) == len(names)

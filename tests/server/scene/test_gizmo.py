@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.kernels.workspace import PUSH, Q
@@ -248,6 +248,8 @@ def test_a_pull_does_the_work_of_its_force_on_every_lane() -> None:
 
 
 def test_a_grip_is_found_again_where_it_was_taken() -> None:
-    assert flange_grip().place(ANGLES) == pytest.approx(flange_positions(ANGLES[None])[0])
+    assert flange_grip().place(ANGLES) == pytest.approx(
+        flange_positions(ANGLES[None], shipped_places())[0]
+    )
     for joint in range(1, 7):
         assert grip_at(joint, FLANGE, ANGLES).place(ANGLES) == pytest.approx(FLANGE)

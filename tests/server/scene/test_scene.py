@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 from slidetune.robot.arm.description import LINK_NAMES
 from slidetune.robot.arm.section import Robot
 from slidetune.server.scene.arm import payload_radius
@@ -41,8 +41,11 @@ def frame(step: int = 0, frozen: frozenset[str] = frozenset(), rows: int = 33) -
         q_d=angles(numbers[-1:])[0],
         q={name: angles(numbers[-1:], names[name])[0] for name in names},
         frozen=frozen,
-        desired_path=flange_positions(angles(numbers[1:])),
-        paths={name: flange_positions(angles(numbers[1:], names[name])) for name in names},
+        desired_path=flange_positions(angles(numbers[1:]), shipped_places()),
+        paths={
+            name: flange_positions(angles(numbers[1:], names[name]), shipped_places())
+            for name in names
+        },
         period=0.001,
     )
 
@@ -83,7 +86,7 @@ def flange_of(browser: ViserClient, arm: str) -> Array:
 
 def stands(browser: ViserClient, arm: str, angles: Array) -> bool:
     there = flange_of(browser, arm)
-    return bool(np.linalg.norm(there - flange_positions(angles[None])[0]) < 2e-5)
+    return bool(np.linalg.norm(there - flange_positions(angles[None], shipped_places())[0]) < 2e-5)
 
 
 def replay(scene: Scene) -> tuple[int, set[str]]:
@@ -105,7 +108,7 @@ def test_every_arm_stands_where_its_angles_put_it(
         lambda: all(stands(browser, arm, drawn[name]) for arm, name in arms.items()),
         lambda: scene.update(now),
     )
-    handle = flange_positions(drawn["first"][None])[0]
+    handle = flange_positions(drawn["first"][None], shipped_places())[0]
     until(lambda: np.allclose(browser.poses["/pull"]["position"], handle, atol=1e-4))
 
 
@@ -168,7 +171,12 @@ def test_who_comes_late_sees_the_present_and_the_trail(scene: Scene) -> None:
     with ViserClient(scene.port) as late:
         until(lambda: stands(late, "/arm", now.q["first"]), lambda: scene.update(now))
         points = late.nodes["/trail_0"]["points"].reshape(POINTS, 2, 3)
-        assert np.linalg.norm(points[-1, 1] - flange_positions(now.q["first"][None])[0]) < 1e-4
+        assert (
+            np.linalg.norm(
+                points[-1, 1] - flange_positions(now.q["first"][None], shipped_places())[0]
+            )
+            < 1e-4
+        )
         assert np.linalg.norm(np.diff(points, axis=1), axis=2).sum() > 0.5
 
 
@@ -254,7 +262,7 @@ def test_the_trail_of_a_stopped_lane_is_exaggerated_with_the_others(
     def oldest(factor: float) -> Array:
         q_d = frame().q_d[None]
         drawn = exaggerated_angles(q_d, q_d + OFFSETS["second"], factor)
-        there: Array = flange_positions(drawn)[0]
+        there: Array = flange_positions(drawn, shipped_places())[0]
         return there
 
     for factor in (1.0, 9.0):
@@ -323,7 +331,7 @@ def test_the_desired_path_is_drawn_and_marked(scene: Scene, browser: ViserClient
     ends = browser.nodes["/desired/path"]["points"].reshape(-1, 2, 3)
     assert ends[0, 0] == pytest.approx(LOOP[0], abs=1e-6)
     now = frame(4)
-    marked = flange_positions(now.q_d[None])[0]
+    marked = flange_positions(now.q_d[None], shipped_places())[0]
     until(
         lambda: np.allclose(browser.poses["/desired/now"]["position"], marked, atol=1e-4),
         lambda: scene.update(now),
@@ -336,7 +344,7 @@ def test_a_pull_at_the_drawn_flange_is_felt(scene: Scene, browser: ViserClient) 
     assert scene.pull() is None
     scene.update(frame())
     browser.drag("start", "/pull")
-    flange = flange_positions(frame().q["first"][None])[0]
+    flange = flange_positions(frame().q["first"][None], shipped_places())[0]
     browser.drag("update", "/pull", flange + np.array([0.0, 0.0, 0.1]))
     force = np.array([0.0, 0.0, 50.0])
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.arm import flange_positions, shipped_places
 from slidetune.server.scene.desired_path import DASH, PIECES, dashes
 from slidetune.server.scene.exaggeration import WIDEST, exaggerated_angles
 from slidetune.server.scene.trails import POINTS, SPAN, Stretch, Trail
@@ -28,7 +28,13 @@ def straight(first: int, last: int, deviation: float = 0.02) -> Stretch:
 
     q_d, q = angles(np.arange(first + 1, last + 1))
     ends_d, ends = angles(np.array([first, last]))
-    return Stretch(flange_positions(q_d), flange_positions(q), ends_d, ends, PERIOD)
+    return Stretch(
+        flange_positions(q_d, shipped_places()),
+        flange_positions(q, shipped_places()),
+        ends_d,
+        ends,
+        PERIOD,
+    )
 
 
 def trail_of(rows: int, factor: float = 1.0, chunk: int = 33) -> Trail:
@@ -74,7 +80,9 @@ def test_a_trail_leads_to_the_flange_that_is_drawn() -> None:
     factor, stretch = 12.0, straight(0, 1 + 40 * SPACING)
     trail = Trail()
     trail.extend(stretch, factor)
-    drawn = flange_positions(exaggerated_angles(stretch.q_d, stretch.q, factor))[-1]
+    drawn = flange_positions(exaggerated_angles(stretch.q_d, stretch.q, factor), shipped_places())[
+        -1
+    ]
     assert np.linalg.norm(stretch.actual[-1] - drawn) > 0.1
     assert np.linalg.norm(trail.points[-1] - drawn) < 1e-6
 

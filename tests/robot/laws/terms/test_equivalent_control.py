@@ -18,7 +18,7 @@ from slidetune.robot.kernels.workspace import (
     AD,
     QD,
     REACH,
-    RECORD_COLUMNS,
+    RECORD,
     S_E,
     S_V,
     TAU,
@@ -58,7 +58,7 @@ def s_dot(lane: dict[str, Any], seed: int, **experiment: Any) -> tuple[Array, Ar
     nominal = dynamics(packed.nominal or packed.model, work[Q], work[V])
     truth.refill()
     nominal.refill()
-    gains, record = packed.gains["A"], np.zeros((1, RECORD_COLUMNS))
+    gains, record = packed.gains["A"], np.zeros((1, len(RECORD), JOINTS))
     arrays = (gains, packed.environment, packed.trajectory, work, record)
     table = kernel_table(truth, nominal, *arrays, control=LAWS[lane["law"]].control)
     sample(random.uniform(0, 5), 0, 0, table)

@@ -10,10 +10,9 @@ from scipy.optimize import lsq_linear
 from slidetune.robot.arm.arm import build_arm
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.workspace import CURVE, FLAGS, GAIN, PERIOD, REACH, S_V, WORK_ROWS, S
+from slidetune.robot.kernels.workspace import CURVE, GAIN, PERIOD, REACH, S_V, WORK_ROWS, S
 from slidetune.robot.laws.terms.implicit_switching import implicit_reach, implicit_reach_shaped
 from slidetune.robot.laws.terms.switching import (
-    CODES,
     IMPLICIT,
     K1,
     K2,
@@ -29,7 +28,7 @@ DRAWS = 300
 
 def workspace(gains: ReachingGains, sliding: Array, slope: Array, period: float) -> Array:
     work = np.zeros((WORK_ROWS, JOINTS))
-    work[S], work[S_V], work[FLAGS, PERIOD] = sliding, slope, period
+    work[S], work[S_V], work[PERIOD, 0] = sliding, slope, period
     reach(gains.pack_reaching(), work)
     return work
 
@@ -169,5 +168,5 @@ def test_without_a_period_it_is_the_sign() -> None:
         work = workspace(
             ReachingGains(switching="implicit"), np.ones(JOINTS), np.ones(JOINTS), period
         )
-        assert work[CURVE + CODES, SWITCHING_CODE] == code
+        assert work[CURVE + SWITCHING_CODE, 0] == code
         assert (work[CURVE + K1 : CURVE + K2 + 1] == 150.0).all()
