@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.chain import checked_chain, turned_axis
-from slidetune.robot.arm.description import URDF_PATH
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.kernels.compiler import kernel
 
@@ -19,14 +19,8 @@ Array = np.ndarray
 
 log = logging.getLogger("slidetune.arm")
 
-FLANGE = "flange_link"
 DATASHEET_SCALE = 23.0 / 96.3935
 """Mass of the real arm (*vendor* datasheet, 23 kg) over that of its description (*vendor*)."""
-
-
-@cache
-def _described_model() -> pin.Model:
-    return pin.buildModelFromUrdf(str(URDF_PATH))
 
 
 def _scaled(model: pin.Model, scale: float) -> None:
@@ -48,12 +42,13 @@ def build_model(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> pi
     Returns:
         A model of its own, free to change. Its mass matrix includes the armature [kg m^2].
     """
-    model = _described_model().copy()
+    arm = arm_named(robot.model)
+    model = arm.model.copy()
     scale = DATASHEET_SCALE if robot.inertials == "datasheet" else 1.0
     _scaled(model, scale * robot.inertia_scale * mismatch)
     if payload and robot.payload.mass > 0.0:
         point = pin.Inertia(robot.payload.mass, np.array(robot.payload.center), np.zeros((3, 3)))
-        frame = model.frames[model.getFrameId(FLANGE)]
+        frame = model.frames[model.getFrameId(arm.tip)]
         model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
     armature = np.asarray(robot.armature, dtype=float)
     model.armature = np.broadcast_to(armature, model.nv).copy()
@@ -81,7 +76,7 @@ def build_arm(robot: Robot, mismatch: float = 1.0, payload: bool = True) -> Arm:
     chain = checked_chain(model)
     if chain is None:
         _warn_once()
-    return Arm(model, chain, flange_places(model, FLANGE))
+    return Arm(model, chain, flange_places(model, arm_named(robot.model).tip))
 
 
 @cache

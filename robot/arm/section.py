@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from slidetune.robot.fields.quantity import Number, PerJoint, PerJointOrOff, Point, Section, field
+from pydantic import PlainValidator, WithJsonSchema, model_validator
+
+from slidetune.robot.arm.known import SHIPPED, arm_named
+from slidetune.robot.fields.quantity import (
+    Number,
+    PerJoint,
+    PerJointOrOff,
+    Point,
+    Section,
+    field,
+    refusal,
+)
 
 
 class Payload(Section):
@@ -36,11 +47,23 @@ class Payload(Section):
     )
 
 
+def _known(name: object) -> str:
+    if not isinstance(name, str):
+        raise ValueError("must be the name of an arm")
+    return arm_named(name).name
+
+
+ArmName = Annotated[str, PlainValidator(_known), WithJsonSchema({"type": "string"})]
+
+
 class Robot(Section):
     """The arm."""
 
-    model: Literal["jaka_zu5"] = field(
-        "jaka_zu5", title="Arm", source="published", meaning="JAKA Zu 5, six joints, 5 kg, 954 mm."
+    model: ArmName = field(
+        SHIPPED,
+        title="Arm",
+        source="published",
+        meaning="Which arm: the JAKA Zu 5 of the paper, one to learn with, or one of your own.",
     )
     inertials: Literal["vendor", "datasheet"] = field(
         "vendor",
@@ -116,3 +139,10 @@ class Robot(Section):
         "series.",
     )
     payload: Payload = Payload()
+
+    @model_validator(mode="after")
+    def _has_a_datasheet(self) -> Robot:
+        if self.inertials == "datasheet" and self.model != SHIPPED:
+            text = f"inertials must be vendor for {self.model}: no other mass of it is known"
+            raise refusal("inertials", self.inertials, text)
+        return self

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, ValidationError
 
+from slidetune.robot.arm.known import SHIPPED, KnownArm, known_arms
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.errors import InvalidExperimentError, unknown_lane
@@ -60,6 +61,30 @@ else:
     Lane = Annotated[reduce(or_, [law.lane for law in LAWS.values()]), Field(discriminator="law")]
 
 
+def _arm_of(document: Mapping[str, Any]) -> KnownArm:
+    """Return the arm that a document names; the shipped one where that will be refused."""
+    robot = document.get("robot")
+    name = robot.get("model") if isinstance(robot, Mapping) else None
+    arms = known_arms()
+    return arms.get(name, arms[SHIPPED]) if isinstance(name, str) else arms[SHIPPED]
+
+
+def _posed(document: Mapping[str, Any], arm: KnownArm) -> Mapping[str, Any]:
+    """Return a document whose trajectory has the poses of its arm where it gives none."""
+    trajectory = document.get("trajectory")
+    if arm.name == SHIPPED or not isinstance(trajectory, Mapping):
+        return document
+    home, away = list(arm.home), list(arm.away)
+    poses: dict[Any, dict[str, Any]] = {
+        "quintic": {"start": home, "end": away},
+        "hold": {"position": home},
+        "circle": {"pose": home},
+    }
+    kind = trajectory.get("kind")
+    known = poses.get(kind, {}) if isinstance(kind, str) else {}
+    return {**document, "trajectory": {**known, **trajectory}}
+
+
 class Experiment(Section):
     """One experiment: immutable, complete, comparable with ``==``."""
 
@@ -100,10 +125,16 @@ class Experiment(Section):
         Raises:
             InvalidExperimentError: naming every refused field.
         """
+        arm = _arm_of(document)
         try:
-            return cls.model_validate(document)
+            return cls.model_validate(_posed(document, arm), context={"joints": arm.joints})
         except ValidationError as error:
             raise InvalidExperimentError(field_errors(error, cls)) from error
+
+    @property
+    def joints(self) -> int:
+        """How many joints its arm has."""
+        return known_arms()[self.robot.model].joints
 
     def lane(self, name: str, path: str = "lane") -> Section:
         """Return a lane's law and gains.

@@ -8,7 +8,6 @@ from typing import Any
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.field_path import path_parts
-from slidetune.robot.fields.quantity import JOINTS
 
 _JOINT = re.compile(r"(.*)\[([1-9])\]", re.DOTALL)
 
@@ -35,11 +34,12 @@ def number_patch(experiment: Experiment, path: str, value: float) -> dict[str, A
     if not isinstance(place, int | float | list) or isinstance(place, bool):
         raise _refusal(path, f"{path} is no number to set")
     patch: Any = value
+    joints = experiment.joints
     if joint:
-        if joint > JOINTS or not isinstance(place, int | float | list):
-            raise _refusal(path, f"{path} has no joint {joint}: joints are 1 to {JOINTS}")
-        patch = list(place) if isinstance(place, list) else [place] * JOINTS
-        if len(patch) != JOINTS:
+        if joint > joints or not isinstance(place, int | float | list):
+            raise _refusal(path, f"{path} has no joint {joint}: joints are 1 to {joints}")
+        patch = list(place) if isinstance(place, list) else [place] * joints
+        if len(patch) != joints:
             raise _refusal(path, f"{path} has {len(patch)} numbers, not one a joint")
         patch[joint - 1] = value
     for part in reversed(parts):

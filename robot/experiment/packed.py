@@ -65,7 +65,7 @@ def pack(experiment: Experiment) -> Packed:
     trajectory, robot, turn = experiment.trajectory, experiment.robot, None
     if isinstance(trajectory, CircleTrajectory):
         try:
-            turn = follow_circle(trajectory)
+            turn = follow_circle(trajectory, robot.model)
         except UnreachableError as error:
             value = getattr(trajectory, error.field)
             refused = FieldError(f"trajectory.{error.field}", str(error), value)

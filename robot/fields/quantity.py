@@ -81,24 +81,33 @@ def _vector(value: object, size: int) -> tuple[float, ...] | None:
     return None if None in numbers else tuple(number for number in numbers if number is not None)
 
 
-def _per_joint(value: object) -> float | tuple[float, ...]:
+def _joints(info: ValidationInfo) -> int:
+    """Return how many joints the arm of what is validated has: by default the shipped one's."""
+    return int((info.context or {}).get("joints", JOINTS))
+
+
+def _numbers(count: int) -> str:
+    return f"a list of {count} numbers" if count > 1 else "a list of one number"
+
+
+def _per_joint(value: object, info: ValidationInfo) -> float | tuple[float, ...]:
     number = _real(value)
     if number is not None:
         return number
-    vector = _vector(value, JOINTS)
+    vector = _vector(value, _joints(info))
     if vector is None:
-        raise ValueError(f"must be one number for all joints or a list of {JOINTS} numbers")
+        raise ValueError(f"must be one number for all joints or {_numbers(_joints(info))}")
     return vector
 
 
-def _limit(value: object) -> float | tuple[float, ...] | None:
-    return None if value is None else _per_joint(value)
+def _limit(value: object, info: ValidationInfo) -> float | tuple[float, ...] | None:
+    return None if value is None else _per_joint(value, info)
 
 
-def _joint_vector(value: object) -> tuple[float, ...]:
-    vector = _vector(value, JOINTS)
+def _joint_vector(value: object, info: ValidationInfo) -> tuple[float, ...]:
+    vector = _vector(value, _joints(info))
     if vector is None:
-        raise ValueError(f"must be a list of {JOINTS} numbers")
+        raise ValueError(f"must be {_numbers(_joints(info))}")
     return vector
 
 
@@ -157,14 +166,14 @@ PerJoint = Annotated[
     PlainSerializer(_plain),
     WithJsonSchema({"anyOf": [_NUMBER, _SIX]}),
 ]
-"""One number for all joints, or six."""
+"""One number for all joints, or one a joint."""
 PerJointOrOff = Annotated[
     float | tuple[float, ...] | None,
     PlainValidator(_limit),
     PlainSerializer(_plain),
     WithJsonSchema({"anyOf": [_NUMBER, _SIX, {"type": "null"}]}),
 ]
-"""One number for all joints, six, or ``None`` for none at all."""
+"""One number for all joints, one a joint, or ``None`` for none at all."""
 JointVector = Annotated[
     tuple[float, ...], PlainValidator(_joint_vector), PlainSerializer(_plain), WithJsonSchema(_SIX)
 ]
@@ -203,6 +212,7 @@ def field(
     step: float | None = None,
     scale: Scale = "linear",
     odd: bool = False,
+    joint: bool = False,
     fraction: Fraction | None = None,
     equation: str = "",
     group: str = "",
@@ -225,6 +235,7 @@ def field(
         step: step of the slider and of the arrow keys.
         scale: whether a slider runs linearly or logarithmically.
         odd: whether only odd whole numbers are permitted.
+        joint: whether it is the number of a joint, which ends where the arm does.
         fraction: the fraction of which this is the numerator.
         equation: where it stands, such as ``Eq. 5``.
         group: heading under which the screen shows it.
@@ -244,6 +255,7 @@ def field(
         "step": step,
         "scale": scale,
         "odd": odd or None,
+        "joint": joint or None,
         "fraction": fraction,
         "equation": equation,
         "group": group,
@@ -294,6 +306,8 @@ class Section(BaseModel):
         extra = cls.model_fields[info.field_name or ""].json_schema_extra
         if not isinstance(extra, dict) or "minimum" not in extra or value is None:
             return value
+        if extra.get("joint"):
+            extra = {**extra, "maximum": _joints(info)}
         low, high = float(extra["minimum"]), float(extra["maximum"])  # type: ignore[arg-type]
         for number in value if isinstance(value, tuple) else (value,):
             if not low <= number <= high or (extra.get("odd") and number % 2 != 1):

@@ -62,6 +62,7 @@ class Goal(Section):
         title="Joint",
         low=0,
         high=JOINTS,
+        joint=True,
         step=1,
         meaning="Joint that the goal is for; 0 for every joint, and of a figure for the number in "
         "the table.",

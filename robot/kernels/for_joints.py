@@ -8,7 +8,6 @@ calls name it. No other constant that a kernel reads may depend on JOINTS.
 
 from __future__ import annotations
 
-from threading import RLock
 from types import FunctionType
 from typing import Any
 
@@ -16,8 +15,6 @@ from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import compiler_of
 
 _made: dict[tuple[Any, int], Any] = {}
-_globals: dict[tuple[int, int], dict[str, Any]] = {}
-_lock = RLock()
 
 
 def for_joints(function: Any, joints: int) -> Any:
@@ -27,32 +24,52 @@ def for_joints(function: Any, joints: int) -> Any:
         function: a kernel; any other function is returned as it is.
         joints: how many there are.
     """
-    compiler = None if joints == JOINTS else compiler_of(function)
-    if compiler is None:
+    if joints == JOINTS or compiler_of(function) is None:
         return function
-    with _lock:
-        key = function, joints
-        if key not in _made:
-            written: FunctionType = function.py_func
+    if (function, joints) not in _made:
+        # Whole before anybody else sees it: a kernel is not to call one for another number.
+        for key, kernel in _Rewriting(joints).all_of(function).items():
+            _made.setdefault(key, kernel)
+    return _made[function, joints]
+
+
+class _Rewriting:
+    """A kernel and all those that it calls, written anew for another number of joints."""
+
+    def __init__(self, joints: int) -> None:
+        self._joints = joints
+        self._globals: dict[int, dict[str, Any]] = {}
+        self._kernels: dict[tuple[Any, int], Any] = {}
+
+    def all_of(self, function: Any) -> dict[tuple[Any, int], Any]:
+        """Return a kernel and those that it can call, by what they were written from."""
+        self._written(function)
+        return self._kernels
+
+    def _written(self, function: Any) -> Any:
+        compiler, key = compiler_of(function), (function, self._joints)
+        if compiler is None:
+            return function
+        if key not in self._kernels:
+            source: FunctionType = function.py_func
             other = FunctionType(
-                written.__code__,
-                _globals_of(written, joints),
-                written.__name__,
-                written.__defaults__,
-                written.__closure__,
+                source.__code__,
+                self._globals_of(source),
+                source.__name__,
+                source.__defaults__,
+                source.__closure__,
             )
             # By this name numba tells them apart: in its cache, and in the compiled code.
-            other.__qualname__ = f"{written.__qualname__}_{joints}"
-            other.__module__ = written.__module__
-            _made[key] = compiler(other)
-        return _made[key]
+            other.__qualname__ = f"{source.__qualname__}_{self._joints}"
+            other.__module__ = source.__module__
+            self._kernels.setdefault(key, compiler(other))
+        return self._kernels[key]
 
-
-def _globals_of(function: FunctionType, joints: int) -> dict[str, Any]:
-    """Return the globals of a function's module as they are for so many joints."""
-    key = id(function.__globals__), joints
-    if key not in _globals:
-        known = _globals[key] = dict(function.__globals__)  # first: its kernels ask for it too
-        for name, value in function.__globals__.items():
-            known[name] = joints if name == "JOINTS" else for_joints(value, joints)
-    return _globals[key]
+    def _globals_of(self, function: FunctionType) -> dict[str, Any]:
+        """Return the globals of a function's module, with JOINTS and all kernels replaced."""
+        key = id(function.__globals__)
+        if key not in self._globals:
+            known = self._globals[key] = dict(function.__globals__)  # its kernels ask for it too
+            for name, value in function.__globals__.items():
+                known[name] = self._joints if name == "JOINTS" else self._written(value)
+        return self._globals[key]

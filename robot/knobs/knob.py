@@ -9,7 +9,6 @@ import numpy as np
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.quantity import JOINTS
 
 Array = np.ndarray
 
@@ -24,11 +23,12 @@ class Knob:
     Attributes:
         lane: the lane.
         field: name of the gain.
-        value: its present value, a number or six.
+        value: its present value, a number or one a joint.
         low: least permitted value.
         high: greatest permitted value.
         logarithmic: whether its slider runs logarithmically.
         per_joint: whether every joint may have its own share.
+        joints: how many joints the arm has.
     """
 
     lane: str
@@ -38,28 +38,37 @@ class Knob:
     high: float
     logarithmic: bool
     per_joint: bool
+    joints: int
 
     def patch(self, value: float | list[float]) -> dict[str, Any]:
         """Return the merge patch that sets the knob."""
         return {"lanes": {self.lane: {self.field: value}}}
 
     def at_joint(self, joint: int, value: float) -> list[float]:
-        """Return the value with one joint's share, counted from 1, replaced. Length 6.
+        """Return the value with one joint's share, counted from 1, replaced.
 
         Raises:
-            InvalidExperimentError: if the knob is one number for all joints.
+            InvalidExperimentError: if the knob is one number for all, or there is no such joint.
         """
         if not self.per_joint:
             text = f"{self.field} is one number for all joints; leave out joint"
             raise InvalidExperimentError([FieldError("joint", text, joint)])
-        each = np.broadcast_to(np.asarray(self.value, dtype=float), JOINTS).tolist()
+        if joint > self.joints:
+            text = f"joint must be 1 to {self.joints}, got {joint}"
+            raise InvalidExperimentError([FieldError("joint", text, joint)])
+        each = self.shares()
         each[joint - 1] = value
+        return each
+
+    def shares(self) -> list[float]:
+        """Return the value of every joint."""
+        each = np.broadcast_to(np.asarray(self.value, dtype=float), self.joints)
         return [float(share) for share in each]
 
     def at_all(self, value: float) -> float | list[float]:
         """Return the value with the greatest share set to this and the others in proportion.
 
-        One number for all joints is just replaced; so are six that are all 0.
+        One number for all joints is just replaced; so are shares that are all 0.
         """
         if not isinstance(self.value, tuple):
             return value
@@ -94,9 +103,10 @@ def knobs(experiment: Experiment, lane: str) -> list[Knob]:
             continue
         low, high = float(extra["minimum"]), float(extra["maximum"])
         logarithmic = extra.get("scale") == "log"
-        # The type of a share for every joint is a union: one number, or six.
+        # The type of a share for every joint is a union: one number, or one a joint.
         per_joint = bool(get_args(info.annotation))
-        found.append(Knob(lane, name, getattr(gains, name), low, high, logarithmic, per_joint))
+        value, joints = getattr(gains, name), experiment.joints
+        found.append(Knob(lane, name, value, low, high, logarithmic, per_joint, joints))
     return found
 
 

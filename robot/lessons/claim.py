@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.fields.quantity import JOINTS, Section, refusal
+from slidetune.robot.fields.quantity import MOST_JOINTS, Section, refusal
 from slidetune.robot.kernels.workspace import NODES
 from slidetune.robot.laws.terms.network import NetworkGains
 from slidetune.robot.loop.figures import FIGURES, Reduction
@@ -58,7 +58,7 @@ class Claim(Section):
     name: str = Field(pattern=r"[a-z][a-z0-9_]*", description="By which texts quote it.")
     metric: Metric
     lane: str
-    joint: int | None = Field(None, ge=1, le=JOINTS, description="None: all, as in a table.")
+    joint: int | None = Field(None, ge=1, le=MOST_JOINTS, description="None: all, as in a table.")
     since: float = Field(0.0, ge=0.0, description="Begin of what is measured [s].")
     at: float | None = Field(None, ge=0.0, description="Instant of ``error_at`` [s].")
     than: str = Field("", description="Another claim: this one is how many times as great.")
@@ -127,8 +127,8 @@ class Look:
         return self.lane.metrics_since(self.claim.since)
 
     def of_joint(self, values: object) -> float:
-        """Return the claim's joint of one or six values; without one the metric reduces them."""
-        six = np.broadcast_to(np.asarray(values, dtype=float), JOINTS)
+        """Return the claim's joint of one value or more; without one the metric reduces them."""
+        six = np.broadcast_to(np.asarray(values, dtype=float), self.run.experiment.joints)
         if self.claim.joint is not None:
             return float(six[self.claim.joint - 1])
         greatest = METRICS[self.claim.metric].reduced == "greatest"
@@ -214,7 +214,7 @@ def _least_gaussian(look: Look) -> float:
 
 def _integral_gain(gains: NetworkGains) -> Array:
     r"""Return :math:`\varphi\sum_j h_j^2`: how fast f follows S near e = 0. Shape (6,)."""
-    squares = np.square(_gaussians(gains, np.zeros(JOINTS))).sum(axis=0)
+    squares = np.square(_gaussians(gains, np.zeros(1))).sum(axis=0)
     return np.asarray(np.asarray(gains.learning_rate) * squares)
 
 
@@ -238,7 +238,7 @@ def _proportional_share(look: Look) -> float:
 def _integrator_gap(look: Look) -> float:
     r"""Return how far f is from :math:`10\,\varphi\int S\,dt`, as a share of its greatest value."""
     period, S = look.run.time[1], look.lane.S
-    integral = np.vstack([np.zeros(JOINTS), np.cumsum(0.5 * period * (S[1:] + S[:-1]), axis=0)])
+    integral = np.vstack([np.zeros_like(S[0]), np.cumsum(0.5 * period * (S[1:] + S[:-1]), axis=0)])
     gap = np.abs(look.lane.f - NODES * np.asarray(look.gains.learning_rate) * integral)
     return look.of_joint(gap.max(axis=0)) / look.of_joint(np.abs(look.lane.f).max(axis=0))
 

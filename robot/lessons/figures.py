@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.lessons.claim import METRICS, Bound, Claim, Metric
 from slidetune.robot.lessons.lesson import LoadedLesson
 from slidetune.robot.loop.figures import Reduction
@@ -128,6 +127,6 @@ def _figure(claim: Claim, experiment: Experiment, seconds: float | None) -> Figu
         since=claim.since,
         until=until,
         at=claim.at,
-        layer=tuple(np.broadcast_to(np.asarray(layer, dtype=float), JOINTS).tolist()),
+        layer=tuple(np.broadcast_to(np.asarray(layer, dtype=float), experiment.joints).tolist()),
         high_frequency=experiment.simulation.high_frequency,
     )

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.loop.verdict import judge_goals
@@ -21,13 +20,14 @@ BUCKETS = 400
 PATH_POINTS = 200
 """Points of the flange path (*ours*)."""
 
-CHANNELS = (
-    *(f"e{j}" for j in range(1, JOINTS + 1)),
-    *(f"tau{j}" for j in range(1, JOINTS + 1)),
-    *(f"S{j}" for j in range(1, JOINTS + 1)),
-    "flange_error",
-)
-"""Columns of a response: error [rad], torque [N m], sliding variable [rad/s], flange error [m]."""
+
+def response_channels(joints: int) -> tuple[str, ...]:
+    """Return the columns of a response.
+
+    Error [rad], torque [N m], sliding variable [rad/s] of every joint, and flange error [m].
+    """
+    each = [f"{group}{j}" for group in ("e", "tau", "S") for j in range(1, joints + 1)]
+    return (*each, "flange_error")
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Response:
 
     Attributes:
         time: two instants a bucket in [s]. Shape (n,).
-        columns: values of ``CHANNELS``, least and greatest of each bucket in the order in which
-            they came; NaN after the lane left its bounds. Shape (channels, n).
+        columns: values of ``response_channels``, least and greatest of each bucket in the order in
+            which they came; NaN after the lane left its bounds. Shape (channels, n).
         path: flange positions in [m]. Shape (m, 3).
         metrics: figures of the whole run, as plain JSON values.
         frozen: when, which joint and why it left its bounds, or ``None``.
@@ -52,6 +52,11 @@ class Response:
     frozen: dict[str, Any] | None
     accuracy: dict[str, Any]
     goals: dict[str, Any]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of its columns."""
+        return response_channels(len(self.columns) // 3)
 
 
 def only_lane(experiment: Experiment, lane: str) -> Experiment:

@@ -203,7 +203,7 @@ def _outside(packed: Packed, name: str) -> Array | None:
     flat = {"switching": "tanh", "epsilon": np.inf}
     # There the proportional part is implicit, too.
     flat = {"k2": 0.0} if switches(packed, name, "implicit") else flat
-    gains: Array = lane.model_copy(update=flat).pack()
+    gains: Array = lane.model_copy(update=flat).pack(packed.joints)
     return gains
 
 
@@ -334,7 +334,8 @@ def replaced(packed: Packed, name: str, lane: Any) -> Packed:
     """Return the experiment with another lane in the place of one."""
     lanes = {**packed.experiment.lanes, name: lane}
     experiment = packed.experiment.model_copy(update={"lanes": lanes})
-    return replace(packed, experiment=experiment, gains={**packed.gains, name: lane.pack()})
+    gains = {**packed.gains, name: lane.pack(packed.joints)}
+    return replace(packed, experiment=experiment, gains=gains)
 
 
 def at_rate(packed: Packed, rate: float) -> Packed:

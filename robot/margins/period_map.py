@@ -140,12 +140,11 @@ class PeriodMap:
         """Return the matrix of a period over the state and the torques on their way."""
         torque, line = self._torque(proportional, switching), self._line
         A: Array = self.own + self.kept @ torque
-        size = len(A)
+        size, joints = len(A), self.late.shape[1]
         if self.delay == 0:
             A = A + self.late @ torque
         if line == 0:
             return A
-        joints = self.late.shape[1]
         whole = np.zeros((size + line * joints, size + line * joints))
         whole[:size, :size] = A
         whole[size : size + joints, :size] = torque
@@ -177,11 +176,8 @@ def calm(packed: Packed) -> Packed:
     damping that a moving joint does not have.
     """
     environment = packed.environment.copy()
-    environment[[SENSOR_Q, SENSOR_V], 0], environment[LIMIT], environment[COULOMB] = (
-        0.0,
-        np.inf,
-        0.0,
-    )
+    environment[[SENSOR_Q, SENSOR_V], 0] = environment[COULOMB] = 0.0
+    environment[LIMIT] = np.inf
     environment[BITS, 0] = int(environment[BITS, 0]) & ~(LIMITS | RUBS)
     return replace(packed, environment=environment)
 
@@ -200,13 +196,12 @@ class Around:
         """
         lane = packed.experiment.lanes[name]
         self._packed, self._time, self._lane = packed, time, lane
-        self._joints = packed.joints
-        self._look, self._move, self._torque_at = (
-            for_joints(one, packed.joints) for one in (sample, plant_step, external_torque)
-        )
+        self._joints, kernels = packed.joints, (reference, sample, plant_step, external_torque)
+        made = (for_joints(one, packed.joints) for one in kernels)
+        motion, self._look, self._move, self._torque_at = made
         self._law, self._gains = LAWS[lane.law].used_by(lane), packed.gains[name].copy()
         self.work = work = np.zeros((WORK_ROWS, self._joints))
-        for_joints(reference, packed.joints)(time, packed.trajectory, work)
+        motion(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
         self._truth = dynamics(packed.model, work[CURRENT + Q], work[CURRENT + V])
         nominal = packed.nominal or packed.model
@@ -291,16 +286,15 @@ class Around:
     def _law_map(self, error: Array) -> tuple[Array, Array, Array]:
         """Return slopes of learning, of the rest of the torque and of its reaching law."""
         first, held, known = self._arm_size, self._weights, self._arm_size + len(self.learning)
-        size = known + len(self._memory) * self._joints
-        learning, rest, reach = (
-            np.zeros((rows, size)) for rows in (size, self._joints, self._joints)
-        )
+        joints = self._joints
+        size = known + len(self._memory) * joints
+        learning, rest, reach = (np.zeros((rows, size)) for rows in (size, joints, joints))
         start = self.v - error
         self._ask(self.q, start)
         layer = self._layer()
         s_e, s_v = self.work[S_E].copy(), self.work[S_V].copy()
         swing = getattr(self._lane, "swing", 0.0)
-        own = len(self._law.states) * self._joints
+        own = len(self._law.states) * joints
         by = np.concatenate(
             [
                 np.maximum(
@@ -308,26 +302,23 @@ class Around:
                     swing / np.maximum(s_e, 1e-9),
                 ),
                 np.maximum(np.minimum(VELOCITY, WITHIN * layer / s_v), swing / s_v),
-                np.full(known - 2 * self._joints, TORQUE),
+                np.full(known - 2 * joints, TORQUE),
                 # A law's own is of the kind of S, an observer's a torque.
                 np.tile(np.minimum(VELOCITY, WITHIN * layer), len(self._law.states)),
                 np.full(size - known - own, TORQUE),
             ]
         )
-        for column in (
-            *range(2 * self._joints),
-            *range(first, size),
-        ):  # no law sees what a drive gives
+        for column in (*range(2 * joints), *range(first, size)):  # no law sees what a drive gives
             found = []
             for side in (by[column], -by[column]):
                 q, v = self.q.copy(), start.copy()
                 self._weights = held
-                if column < self._joints:
+                if column < joints:
                     q[column] += side
-                elif column < 2 * self._joints:
-                    v[column - self._joints] += side
+                elif column < 2 * joints:
+                    v[column - joints] += side
                 elif column >= known:
-                    row, joint = divmod(column - known, self._joints)
+                    row, joint = divmod(column - known, joints)
                     self._weights = held.copy()
                     self._weights[self._memory[row], joint] += side
                 else:

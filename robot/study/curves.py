@@ -7,26 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.simulate import LaneRun
 
 Array = np.ndarray
 
 PIECES = 120
 """Pieces into which the horizon is cut; each keeps its least and its greatest value (*ours*)."""
-CURVES = (
-    *(f"e{j}" for j in range(1, JOINTS + 1)),
-    *(f"tau{j}" for j in range(1, JOINTS + 1)),
-    "flange_error",
-)
-"""What is kept of a run: error [rad], torque [N m], distance of the flange [m]."""
+
+
+def curve_names(joints: int) -> tuple[str, ...]:
+    """Return what is kept of a run: error [rad], torque [N m], distance of the flange [m]."""
+    each = range(1, joints + 1)
+    return (*(f"e{j}" for j in each), *(f"tau{j}" for j in each), "flange_error")
 
 
 def curves_of(run: LaneRun) -> Array:
     """Return the least and the greatest value of each piece of a run's time.
 
     Returns:
-        Of ``CURVES``, single precision; NaN once the lane left its bounds. Shape (13, 2, pieces).
+        Of ``curve_names``, single precision; NaN once the lane left its bounds.
+        Shape (2n + 1, 2, pieces).
     """
     distance = np.linalg.norm(run.flange - run.flange_desired, axis=1)[:, None]
     columns = np.concatenate([run.e, run.tau, distance], axis=1)
@@ -74,7 +74,7 @@ def bands(curves: Sequence[Array], horizon: float) -> dict[str, Any]:
         "time": time.tolist(),
         "curves": {
             name: {label: _plain(values[place]) for label, values in found.items()}
-            for place, name in enumerate(CURVES)
+            for place, name in enumerate(curve_names(whole.shape[1] // 2))
         },
     }
 

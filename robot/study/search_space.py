@@ -11,7 +11,6 @@ import numpy as np
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.field_path import field_path
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.knobs.knob import Knob, knobs
 from slidetune.robot.study.tuning import GainRange, Tuning
 
@@ -78,8 +77,7 @@ def patch_of(lane: str, space: list[Dimension], values: Mapping[str, float]) -> 
     for one in space:
         value = values[one.name]
         if one.joint:
-            whole = np.broadcast_to(np.asarray(one.knob.value, dtype=float), JOINTS).tolist()
-            gains.setdefault(one.knob.field, whole)[one.joint - 1] = value
+            gains.setdefault(one.knob.field, one.knob.shares())[one.joint - 1] = value
         elif value != one.present:
             turned = np.asarray(one.knob.at_all(value))
             each = [_legible(share) for share in turned.ravel().tolist()]
@@ -134,7 +132,7 @@ def _check(tuning: Tuning, known: Mapping[str, Knob], acting: set[str]) -> None:
 def _dimensions(knob: Knob, wanted: GainRange) -> list[Dimension]:
     spans = wanted.low > 0.0 and wanted.high >= _DECADE * wanted.low
     logarithmic = spans or (knob.logarithmic and wanted.low > 0.0)
-    each = np.broadcast_to(np.asarray(knob.value, dtype=float), JOINTS)
+    each = knob.shares()
 
     def dimension(name: str, joint: int, present: float) -> Dimension:
         return Dimension(name, knob, joint, wanted.low, wanted.high, logarithmic, present)
@@ -142,6 +140,5 @@ def _dimensions(knob: Knob, wanted: GainRange) -> list[Dimension]:
     if wanted.joints == "alike":
         return [dimension(knob.field, 0, float(max(each, key=abs)))]
     return [
-        dimension(f"{knob.field}[{joint}]", joint, float(each[joint - 1]))
-        for joint in range(1, JOINTS + 1)
+        dimension(f"{knob.field}[{joint}]", joint, share) for joint, share in enumerate(each, 1)
     ]

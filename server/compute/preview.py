@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.loop.response import CHANNELS, Response, lane_response, only_lane
+from slidetune.robot.loop.response import Response, lane_response, only_lane
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import Workers
 
@@ -22,7 +22,7 @@ def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> by
     """Return responses as one message: length of the JSON, the JSON, then columns of float32.
 
     The JSON names the channels and, for each lane, how many points it has; the columns follow lane
-    by lane: time first, then ``CHANNELS``, then x, y, z of the flange's path. What is not a number
+    by lane: time first, then its channels, then x, y, z of the flange's path. What is not a number
     (after a lane left its bounds) stays NaN in the columns and nowhere else.
 
     Args:
@@ -31,7 +31,9 @@ def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> by
     """
     blocks: list[bytes] = []
     lanes = []
+    channels: tuple[str, ...] = ()
     for name, response in responses.items():
+        channels = response.channels
         lanes.append(
             {
                 "name": name,
@@ -46,7 +48,7 @@ def encode_responses(head: dict[str, Any], responses: dict[str, Response]) -> by
         table = np.vstack([response.time, response.columns])
         blocks += [table.astype("<f4").tobytes(), response.path.T.astype("<f4").tobytes()]
     text = json.dumps(
-        {**head, "channels": list(CHANNELS), "lanes": lanes}, allow_nan=False, ensure_ascii=False
+        {**head, "channels": list(channels), "lanes": lanes}, allow_nan=False, ensure_ascii=False
     ).encode()
     # Padded with blanks, so that the numbers stand where a Float32Array may begin.
     text += b" " * (-len(text) % 4)

@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 
-from slidetune.robot.arm.arm import FLANGE, build_model
+from slidetune.robot.arm.arm import build_model
+from slidetune.robot.arm.known import FLANGE
 from slidetune.robot.arm.section import Robot
 
 Array = np.ndarray

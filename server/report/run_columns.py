@@ -8,7 +8,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.simulate import Run
 
 Array = np.ndarray
@@ -49,7 +48,7 @@ def run_columns(run: Run) -> list[tuple[str, Array]]:
 
 
 def _joints(name: str, unit: str, block: Array) -> list[tuple[str, Array]]:
-    return [(f"{name}{joint + 1} [{unit}]", block[:, joint]) for joint in range(JOINTS)]
+    return [(f"{name}{joint + 1} [{unit}]", block[:, joint]) for joint in range(block.shape[1])]
 
 
 def _axes(name: str, block: Array) -> list[tuple[str, Array]]:

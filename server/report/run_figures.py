@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.report.figure_page import (
@@ -45,7 +44,7 @@ def _joints(run: Run, title: str, axis: str, name: str, desired: Array | None = 
         lines = curves(run, lambda lane: getattr(lane, name)[:, joint], wanted)
         return Figure(f"Joint {joint + 1}", "", axis, lines)
 
-    return Section(title, tuple(figure(joint) for joint in range(JOINTS)))
+    return Section(title, tuple(figure(joint) for joint in range(run.experiment.joints)))
 
 
 def _distance(lane: LaneRun) -> Array:

@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from slidetune.robot.advice.advice import advice_on
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.figures import FIGURES, Figure, figures_of
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.robot.margins.margin import loop_margin
@@ -114,12 +114,12 @@ def _add(table: Table, cells: Sequence[str]) -> None:
     table.add_row(*(Text(cell) for cell in cells))  # a lane's name is text, not markup
 
 
-def _per_joint(lanes: Document) -> Table:
-    table = _table("", "lane", *(f"J{j + 1}" for j in range(JOINTS)), first=2)
+def _per_joint(lanes: Document, joints: int) -> Table:
+    table = _table("", "lane", *(f"J{j + 1}" for j in range(joints)), first=2)
     for figure in _PER_JOINT:
         title = heading(figure)
         for name, lane in lanes.items():
-            values = (lane["metrics"] or {}).get(figure.name, [None] * JOINTS)
+            values = (lane["metrics"] or {}).get(figure.name, [None] * joints)
             _add(table, [title, name, *(figure_text(figure, value) for value in values)])
             title = ""
         table.add_section()
@@ -142,11 +142,12 @@ def _overall(lanes: Document) -> Table:
 def print_report(document: Document, console: Console) -> None:
     """Print what ``report`` returned."""
     experiment, lanes = document["experiment"], document["lanes"]
-    simulation = experiment["simulation"]
+    simulation, joints = experiment["simulation"], Experiment.from_document(experiment).joints
     console.print(Text(experiment["title"] or "Untitled experiment", style="bold"))
     span = f"{document['since']:g} to {simulation['horizon']:g} s, {simulation['mode']}"
-    console.print(Text(f"Figures over {span}; J1 to J6 are the joints."))
-    console.print(_per_joint(lanes))
+    each = f"J1 to J{joints} are the joints" if joints > 1 else "J1 is its joint"
+    console.print(Text(f"Figures over {span}; {each}."))
+    console.print(_per_joint(lanes, joints))
     console.print(_overall(lanes))
     for name, lane in lanes.items():
         if lane["frozen"]:

@@ -203,7 +203,9 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
     def bands(number: Number) -> dict[str, Any]:
         """Within what the responses of the draws lie; empty of a study without draws."""
         study = _study(store.one(number))
-        return bands_of(study, [curves_from(kept) for kept in store.curves(number)])
+        return bands_of(
+            study, [curves_from(kept, study.experiment.joints) for kept in store.curves(number)]
+        )
 
     @router.get("/{number:int}/events", response_class=StreamingResponse, responses=FOLLOWED)
     async def follow(

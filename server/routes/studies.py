@@ -14,7 +14,7 @@ from fastapi import APIRouter, Body
 from fastapi.responses import StreamingResponse
 from pydantic import Field
 
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.fields.quantity import MOST_JOINTS
 from slidetune.robot.knobs.knob import COUNT
 from slidetune.robot.knobs.plan import Trial, sensitivity, strip, switching_comparison
 from slidetune.robot.knobs.variant import figures
@@ -52,7 +52,7 @@ class StripRequest(StudyRequest):
     joint: int | None = Field(
         None,
         ge=1,
-        le=JOINTS,
+        le=MOST_JOINTS,
         description="Vary this joint's value alone; null: all joints, in proportion.",
     )
 

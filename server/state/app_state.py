@@ -13,7 +13,7 @@ from typing import Any
 from slidetune.robot import __version__
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.margin import loop_margin
 from slidetune.server.compute.cluster import cluster_executor
@@ -26,6 +26,7 @@ from slidetune.server.live.telemetry import Telemetry
 from slidetune.server.scene.feed import SceneFeed
 from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
+from slidetune.server.state.drawn_arm import pack_drawn
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 from slidetune.server.state.probation import Probation
@@ -83,7 +84,7 @@ class AppState:
             preset: name of the preset that it comes from.
             scheduler: address of the cluster that makes the runs of studies; this machine without.
         """
-        packed = pack(experiment)
+        packed = pack_drawn(experiment)
         self.colors = LaneColors()
         self.colors.assign(list(packed.gains))
         self.view = SceneFeed(Scene(), self.colors)

@@ -10,9 +10,10 @@ from typing import Any
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
-from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.experiment.packed import Packed
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
+from slidetune.server.state.drawn_arm import pack_drawn
 
 Listener = Callable[["Change"], None]
 
@@ -94,7 +95,7 @@ class Document:
             InvalidExperimentError: if the arm can't follow its trajectory; nothing is changed.
         """
         with self._lock:
-            packed = pack(experiment)
+            packed = pack_drawn(experiment)
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, None, author, None)
             self.baseline, self.preset = experiment, preset
@@ -120,7 +121,7 @@ class Document:
         """
         with self._lock:
             patch = self._variant(origin, name, gains)
-            packed = pack(self.experiment.patched(patch))
+            packed = pack_drawn(self.experiment.patched(patch))
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, patch, author, None)
             self._session.fork(packed, change.revision, moment, {name: origin})
@@ -166,7 +167,7 @@ class Document:
         self, patch: Mapping[str, Any], author: str, request: Any, origins: dict[str, str] | None
     ) -> Change:
         self._session.refuse_if_busy()
-        packed = pack(self.experiment.patched(patch))
+        packed = pack_drawn(self.experiment.patched(patch))
         self._colors.assign(list(packed.gains))
         self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
         change = self._accept(packed, patch, author, request)

@@ -19,7 +19,7 @@ import numpy as np
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.simulate import CancelledError
-from slidetune.robot.study.curves import CURVES
+from slidetune.robot.study.curves import curve_names
 from slidetune.robot.study.robustness import Draw
 from slidetune.robot.study.study import Entry, Study
 from slidetune.server.compute.build import VERSION
@@ -247,8 +247,8 @@ def _row(entry: Entry) -> tuple[dict[str, Any], bytes | None]:
     return entry.document(), None if curves is None else curves.tobytes()
 
 
-def curves_from(kept: bytes | None) -> np.ndarray | None:
-    """Return curves from the bytes that were kept of them."""
+def curves_from(kept: bytes | None, joints: int) -> np.ndarray | None:
+    """Return curves of an arm of so many joints from the bytes that were kept of them."""
     if kept is None:
         return None
-    return np.frombuffer(kept, np.float32).reshape(len(CURVES), 2, -1)
+    return np.frombuffer(kept, np.float32).reshape(len(curve_names(joints)), 2, -1)

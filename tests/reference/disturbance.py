@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tests.reference.arm import JOINTS
-
 Array = np.ndarray
 TONES = 16
 
@@ -16,14 +14,14 @@ TONES = 16
 Torque = Callable[[float, float], Array]
 
 
-def disturbance(section: dict[str, Any], horizon: float) -> tuple[Torque, list[float]]:
+def disturbance(section: dict[str, Any], horizon: float, joints: int) -> tuple[Torque, list[float]]:
     """Return the torque that the section ``disturbance`` takes, and the times at which it jumps.
 
     The torque is asked for at a time and for a piece between two jumps, named by a time within it.
     """
 
     def wide(value: Any) -> Array:
-        return np.broadcast_to(np.array(value, dtype=float), JOINTS).copy()
+        return np.broadcast_to(np.array(value, dtype=float), joints).copy()
 
     constant, sine, pulse = wide(section["constant"]), section["sine"], section["pulse"]
     swing, height = wide(sine["amplitude"]), wide(pulse["amplitude"])
@@ -31,9 +29,9 @@ def disturbance(section: dict[str, Any], horizon: float) -> tuple[Torque, list[f
     start, duration, period = pulse["start"], pulse["duration"], pulse["period"]
     noise = wide(section["noise"]["amplitude"])
     random = np.random.default_rng(section["seed"])
-    places = (np.arange(TONES)[:, None] + random.random((TONES, JOINTS))) / TONES
+    places = (np.arange(TONES)[:, None] + random.random((TONES, joints))) / TONES
     tones = 2.0 * np.pi * section["noise"]["bandwidth"] * places
-    phases = 2.0 * np.pi * random.random((TONES, JOINTS))
+    phases = 2.0 * np.pi * random.random((TONES, joints))
 
     def at(t: float, within: float) -> Array:
         since = within - start

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.interpolate import make_interp_spline
 
-from tests.reference.arm import JOINTS, arm
+from tests.reference.arm import arm
 
 Array = np.ndarray
 Motion = Callable[[float], tuple[Array, Array, Array]]
@@ -24,26 +24,25 @@ _PLAIN_ARM = {
 }
 
 
-def motion(trajectory: dict[str, Any]) -> tuple[Motion, list[float]]:
+def motion(trajectory: dict[str, Any], joints: int) -> tuple[Motion, list[float]]:
     """Return the motion of the section ``trajectory``, and the times at which it is not smooth."""
     kind = trajectory["kind"]
     if kind == "sine":
-        return _sine(trajectory), []
+        return _sine(trajectory, joints), []
     if kind == "quintic":
         return _quintic(trajectory), [trajectory["duration"]]
     if kind == "hold":
-        pose, still = np.array(trajectory["position"], dtype=float), np.zeros(JOINTS)
+        pose, still = np.array(trajectory["position"], dtype=float), np.zeros(joints)
         return lambda t: (pose, still, still), []
     return _circle(trajectory), []
 
 
-def _wide(value: Any) -> Array:
-    return np.broadcast_to(np.array(value, dtype=float), JOINTS).copy()
+def _sine(trajectory: dict[str, Any], joints: int) -> Motion:
+    def wide(value: Any) -> Array:
+        return np.broadcast_to(np.array(value, dtype=float), joints).copy()
 
-
-def _sine(trajectory: dict[str, Any]) -> Motion:
-    size, omega = _wide(trajectory["amplitude"]), _wide(trajectory["angular_frequency"])
-    phase, offset = _wide(trajectory["phase"]), _wide(trajectory["offset"])
+    size, omega = wide(trajectory["amplitude"]), wide(trajectory["angular_frequency"])
+    phase, offset = wide(trajectory["phase"]), wide(trajectory["offset"])
 
     def at(t: float) -> tuple[Array, Array, Array]:
         angle = omega * t + phase

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from scipy.integrate import Radau
 
-from tests.reference.arm import JOINTS
 from tests.reference.loop import Loop
 
 Array = np.ndarray
@@ -26,7 +26,7 @@ class Solution(NamedTuple):
     """A solved experiment.
 
     Attributes:
-        q: angles in [rad], NaN after it left its bounds. Shape (n, 6).
+        q: angles in [rad], NaN after it left its bounds. Shape (m, n).
         end: until when it stayed within its bounds in [s].
     """
 
@@ -35,7 +35,12 @@ class Solution(NamedTuple):
 
 
 def solve(
-    document: dict[str, Any], time: Array, rtol: float, thin: float = 1e-6, most: int = STEPS
+    document: dict[str, Any],
+    time: Array,
+    rtol: float,
+    thin: float = 1e-6,
+    most: int = STEPS,
+    arms: tuple[pin.Model, pin.Model] | None = None,
 ) -> Solution:
     """Integrate an experiment of one lane by Radau IIA of order five.
 
@@ -45,13 +50,15 @@ def solve(
         rtol: relative tolerance; the absolute one is a hundredth of it.
         thin: layer that stands for ``sign`` in [rad/s].
         most: steps after which it gives up.
+        arms: the true and the nominal arm; by default those of the published arm.
 
     Raises:
         GaveUpError: if it takes too many steps.
     """
-    loop = Loop(document, thin)
-    q = np.full((len(time), JOINTS), np.nan)
-    q[0] = loop.start[:JOINTS]
+    loop = Loop(document, thin, arms)
+    joints = loop.joints
+    q = np.full((len(time), joints), np.nan)
+    q[0] = loop.start[:joints]
     ends = [edge for edge in loop.edges if 0.0 < edge < time[-1]] + [float(time[-1])]
     t, y, row, steps = 0.0, loop.start, 1, 0
     for end in ends:
@@ -73,10 +80,10 @@ def solve(
                 raise GaveUpError(f"at {stepper.t:.6g} s after {steps} steps")
             found = stepper.dense_output()
             while row < len(time) and time[row] <= stepper.t:
-                q[row] = found(time[row])[:JOINTS]
+                q[row] = found(time[row])[:joints]
                 row += 1
             state = np.abs(stepper.y)
-            if state[:JOINTS].max() > MAX_ANGLE or state[JOINTS : 2 * JOINTS].max() > MAX_VELOCITY:
+            if state[:joints].max() > MAX_ANGLE or state[joints : 2 * joints].max() > MAX_VELOCITY:
                 return Solution(q, stepper.t)
         t, y = end, stepper.y
     return Solution(q, float(time[-1]))

@@ -10,14 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import (
-    FLANGE,
-    build_model,
-    flange_positions,
-    nominal_arm,
-    shipped_places,
-)
+from slidetune.robot.arm.arm import build_model, flange_positions, nominal_arm, shipped_places
 from slidetune.robot.arm.description import DATASHEET_MASS, VENDOR_MASS
+from slidetune.robot.arm.known import FLANGE
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.fields.quantity import JOINTS
 

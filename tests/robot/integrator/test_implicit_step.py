@@ -41,6 +41,7 @@ from slidetune.robot.kernels.workspace import (
     NETWORK_SLOPE,
     NODES,
     PERIOD,
+    R_Q,
     RECORD,
     RIGHT,
     S_E,
@@ -210,7 +211,7 @@ def error_of(lane: dict[str, Any], scheme: str, step: float) -> float:
         alone = Lane("A", packed, np.zeros((rows, len(RECORD), JOINTS)), cutting_of(halvings=0))
         for row in range(rows):
             assert alone.step(row * step, row, row) == 0
-        return alone.record[:: round(0.02 / step), :JOINTS]
+        return alone.record[:: round(0.02 / step), R_Q]
 
     return float(np.abs(angles(scheme, step) - angles("extrapolated", 1e-4)).max())
 

@@ -26,6 +26,7 @@ from slidetune.robot.kernels.workspace import (
     NODES,
     PUSH,
     QD,
+    R_TAU,
     RECORD,
     TAU,
     VD,
@@ -107,7 +108,7 @@ def test_a_command_is_limited_before_it_is_held_and_recorded() -> None:
     assert command(0, table_of(work, environment=environment, record=record, period=0.001)) == 0
     expected = (-1, 2, 2, -2, 5, -6)
     np.testing.assert_array_equal(work[TAU], expected)
-    np.testing.assert_array_equal(record[0, 2 * JOINTS : 3 * JOINTS], expected)
+    np.testing.assert_array_equal(record[0, R_TAU], expected)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e13])
@@ -124,7 +125,7 @@ def test_a_record_holds_the_columns_that_it_names() -> None:
         lane.step(number * 1e-3, number, number)
     q, v, weights = (lane.work[rows].copy() for rows in (Q, V, slice(W, W + NODES)))
     lane.step(0.03, 30, 30)
-    found = dict(zip(RECORD, lane.record[30].reshape(-1, JOINTS), strict=True))
+    found = dict(zip(RECORD, lane.record[30], strict=True))
     np.testing.assert_array_equal(found["q"], q)
     np.testing.assert_array_equal(found["v"], v)
     np.testing.assert_allclose(found["weights"], np.linalg.norm(weights, axis=0), rtol=1e-12)
@@ -141,7 +142,7 @@ def test_a_record_is_of_the_current_state_and_of_its_own_row() -> None:
     write_record(1, 1, environment, work, record)
     weights = np.linalg.norm(work[W : W + NODES], axis=0)
     expected = (work[Q], work[V], np.clip(work[TAU], -1.0, 1.0), work[S], work[NETWORK], weights)
-    found = record[1].reshape(len(RECORD), JOINTS)
+    found = record[1]
     np.testing.assert_allclose(found, (*expected, work[QD], work[VD]), rtol=1e-14)
     assert not record[[0, 2]].any()
 

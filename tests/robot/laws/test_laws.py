@@ -256,9 +256,9 @@ class Toy(LinearSurface):
         40.0, title="Gain", unit="N·m·s/rad", low=0.0, high=500.0, step=1.0, meaning="Feedback."
     )
 
-    def pack(self) -> Array:
-        """Return lambda and the gain. Shape (2, 6)."""
-        return np.vstack([self.pack_surface(), np.full((1, JOINTS), self.gain)])
+    def pack(self, joints: int = JOINTS) -> Array:
+        """Return lambda and the gain. Shape (2, n)."""
+        return np.vstack([self.pack_surface(joints), np.full((1, joints), self.gain)])
 
 
 @kernel

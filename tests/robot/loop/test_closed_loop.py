@@ -11,9 +11,8 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.law_call import Control
-from slidetune.robot.kernels.workspace import PUSH, RECORD, STATE_ROWS, Q, V
+from slidetune.robot.kernels.workspace import PUSH, R_Q, R_QD, R_V, R_VD, RECORD, STATE_ROWS, Q, V
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.robot.loop.simulate import simulate
@@ -78,12 +77,12 @@ def test_the_live_loop_and_a_whole_run_give_the_same_rows(document: dict[str, An
     for name, lane in run.lanes.items():
         record = loop.lanes[name].record[: len(run.time)]
         for index, column in enumerate(RECORD[:6]):
-            found = record[:, JOINTS * index : JOINTS * (index + 1)]
+            found = record[:, index]
             expected, scale = getattr(lane, column), max(1.0, np.abs(getattr(lane, column)).max())
             # One takes M and h from Pinocchio, the other from the compiled recursion.
             np.testing.assert_allclose(found, expected, atol=1e-12 * scale, err_msg=column)
-        np.testing.assert_array_equal(record[:, 36:42], run.q_d)
-        np.testing.assert_array_equal(record[:, 42:48], run.v_d)
+        np.testing.assert_array_equal(record[:, R_QD], run.q_d)
+        np.testing.assert_array_equal(record[:, R_VD], run.v_d)
 
 
 @pytest.mark.parametrize("document", [THREE, HARD], ids=["continuous", "sampled"])
@@ -216,7 +215,8 @@ def test_a_lane_that_leaves_its_bounds_freezes_and_the_others_go_on() -> None:
     row = round(freeze.time / loop.period)
     record = loop.lanes["falls"].record
     assert np.isfinite(record[:300]).all()
-    np.testing.assert_array_equal(record[row:300, :36], np.tile(record[row, :36], (300 - row, 1)))
+    own = record[row:300, :R_QD]
+    np.testing.assert_array_equal(own, np.broadcast_to(own[0], own.shape))
     assert loop.lanes["holds"].freeze is None
     alone = loop_of({**document, "lanes": {"holds": {"law": "rbfnn_nftsm"}}}, 300)
     np.testing.assert_array_equal(alone.lanes["holds"].record, loop.lanes["holds"].record)
@@ -242,7 +242,7 @@ def test_a_new_lane_that_continues_a_frozen_one_stands_where_it_stood() -> None:
     row = loop.step()
     one, other = (loop.lanes[name] for name in ("A", "copy"))
     assert other.freeze == one.freeze
-    assert one.record[row, :JOINTS].any()
+    assert one.record[row, R_Q].any()
     np.testing.assert_array_equal(other.record[row], one.record[row])
 
 
@@ -339,7 +339,7 @@ def test_a_law_that_gives_no_number_freezes_its_lane_and_records_numbers_only(
     assert "not a number" in lane.freeze.cause
     assert np.isfinite(lane.record).all()
     assert np.isfinite(lane.work[:STATE_ROWS]).all()
-    np.testing.assert_array_equal(lane.record[steps + 19, : 2 * JOINTS], before.ravel())
+    np.testing.assert_array_equal(lane.record[steps + 19, : R_V + 1], before)
     assert loop.lanes["holds"].freeze is None
 
 

@@ -24,6 +24,7 @@ from slidetune.robot.kernels.workspace import (
     CUT,
     KNOWN,
     LEFT,
+    R_Q,
     RECORD,
     STATE_ROWS,
     TAU,
@@ -158,7 +159,7 @@ def both(name: str, packed: Packed) -> tuple[Made, Made]:
 
 def blocks(record: Array) -> Iterator[tuple[str, Array]]:
     for index, column in enumerate(RECORD):
-        yield column, record[:, JOINTS * index : JOINTS * (index + 1)]
+        yield column, record[:, index]
 
 
 def apart(one: Made, other: Made) -> float:
@@ -201,7 +202,7 @@ def within_its_error(name: str, packed: Packed, told: str) -> None:
     alone = packed.experiment.patched({"lanes": rest})
     estimate = simulate(alone).lanes[name].accuracy.error_estimate
     end = min(one.row, other.row)
-    found = difference(one.lane.record[:end, :JOINTS], other.lane.record[:end, :JOINTS])
+    found = difference(one.lane.record[:end, R_Q], other.lane.record[:end, R_Q])
     assert estimate is not None
     assert found < max(TOLERANCE, 2.0 * estimate), told
 

@@ -24,6 +24,11 @@ from slidetune.robot.kernels.workspace import (
     PERIOD,
     PUSH,
     QD,
+    R_Q,
+    R_QD,
+    R_S,
+    R_TAU,
+    R_V,
     RECORD,
     STATE_ROWS,
     TAU,
@@ -293,13 +298,13 @@ def test_a_state_that_breaks_goes_back_to_the_last_row_where_it_broke() -> None:
     assert stepped(lane, packed, 1, first=30) == 30
     last = lane.record[29]
     assert lane.freeze is not None
-    state[Q, 2], state[V, 4], state[W + 3, 1] = last[2], last[JOINTS + 4], 0.0
+    state[Q, 2], state[V, 4], state[W + 3, 1] = last[R_Q, 2], last[R_V, 4], 0.0
     np.testing.assert_array_equal(lane.work[:STATE_ROWS], state)
     row = lane.record[30]
     assert np.isfinite(row).all()
-    np.testing.assert_array_equal(row[: 2 * JOINTS], state[[Q, V]].ravel())
+    np.testing.assert_array_equal(row[: R_V + 1], state[[Q, V]])
     # Of what the law said of a broken state, the last that was known stands.
-    assert row[2 * JOINTS + 2] == last[2 * JOINTS + 2] != 0.0
+    assert row[R_TAU, 2] == last[R_TAU, 2] != 0.0
 
 
 def test_a_first_step_that_breaks_shows_nothing_of_an_earlier_run() -> None:
@@ -308,7 +313,7 @@ def test_a_first_step_that_breaks_shows_nothing_of_an_earlier_run() -> None:
     lane.record[:] = 9.0
     packed.gains["A"][:, 3] = np.nan
     assert stepped(lane, packed, 1) == 0
-    tau, sliding = lane.record[0].reshape(-1, JOINTS)[2:4]
+    tau, sliding = lane.record[0, [R_TAU, R_S]]
     assert (tau[3], sliding[3]) == (0.0, 0.0)
     assert np.isfinite(lane.record[0]).all()
 
@@ -357,9 +362,8 @@ def test_a_frozen_lane_repeats_its_last_row_beside_the_desired_motion() -> None:
     last = stepped(lane, packed, 400)
     for number in (last + 1, last + 2):
         lane.hold(packed, number * 1e-3, number)
-    own = 6 * JOINTS
-    np.testing.assert_array_equal(lane.record[last + 2, :own], lane.record[last, :own])
-    desired = lane.record[last + 2, own:].reshape(2, JOINTS)
+    np.testing.assert_array_equal(lane.record[last + 2, :R_QD], lane.record[last, :R_QD])
+    desired = lane.record[last + 2, R_QD:]
     np.testing.assert_allclose(desired[0], np.sin((last + 2) * 1e-3))
     np.testing.assert_allclose(desired[1], np.cos((last + 2) * 1e-3))
 

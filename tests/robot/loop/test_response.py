@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.loop.response import CHANNELS, lane_response, thinned
+from slidetune.robot.loop.response import lane_response, response_channels, thinned
 from slidetune.robot.loop.simulate import simulate
 
 Array = np.ndarray
@@ -57,7 +57,7 @@ def test_a_response_holds_the_columns_that_it_names(mode: str) -> None:
     document = {"lanes": {"A": lane}, "simulation": {"mode": mode, "horizon": 0.5}}
     experiment = Experiment.from_document(document)
     response, run = lane_response(experiment, "A"), simulate(experiment).lanes["A"]
-    found = dict(zip(CHANNELS, response.columns, strict=True))
+    found = dict(zip(response_channels(6), response.columns, strict=True))
     for joint in range(JOINTS):
         for name, column in (("e", run.e), ("tau", run.tau), ("S", run.S)):
             np.testing.assert_array_equal(found[f"{name}{joint + 1}"], column[:, joint])

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slidetune.robot.arm.arm import FLANGE, build_model, flange_positions, shipped_places
+from slidetune.robot.arm.arm import build_model, flange_positions, shipped_places
+from slidetune.robot.arm.known import FLANGE, SHIPPED
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.errors import InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
@@ -78,7 +79,7 @@ def test_flange_runs_evenly_and_keeps_its_direction(circle: CircleTrajectory) ->
 
 @pytest.mark.parametrize("circle", CIRCLES)
 def test_circle_is_closed_and_begins_in_its_pose(circle: CircleTrajectory) -> None:
-    turn = follow_circle(circle)
+    turn = follow_circle(circle, SHIPPED)
     assert turn.shape == (SAMPLES + 1, 3, JOINTS)
     np.testing.assert_allclose(turn[0, 0], circle.pose, atol=1e-12)
     np.testing.assert_allclose(turn[-1], turn[0], atol=1e-6)
@@ -93,7 +94,7 @@ def test_velocity_is_the_derivative_of_the_angle(circle: CircleTrajectory) -> No
 
 @pytest.mark.parametrize("circle", CIRCLES)
 def test_acceleration_is_the_derivative_of_the_velocity(circle: CircleTrajectory) -> None:
-    _, v, a = np.moveaxis(follow_circle(circle), 1, 0)
+    _, v, a = np.moveaxis(follow_circle(circle, SHIPPED), 1, 0)
     h = circle.period / SAMPLES
     # Fourth order, so that the samples are close enough.
     difference = (8.0 * (v[3:-1] - v[1:-3]) - (v[4:] - v[:-4])) / (12.0 * h)
@@ -101,7 +102,7 @@ def test_acceleration_is_the_derivative_of_the_velocity(circle: CircleTrajectory
 
 
 def test_speed_scales_with_the_period() -> None:
-    slow, fast = (follow_circle(CircleTrajectory(period=period)) for period in (4.0, 2.0))
+    slow, fast = (follow_circle(CircleTrajectory(period=period), SHIPPED) for period in (4.0, 2.0))
     np.testing.assert_allclose(fast[:, 0], slow[:, 0], atol=1e-9)
     np.testing.assert_allclose(fast[:, 1], 2.0 * slow[:, 1], atol=1e-8)
     np.testing.assert_allclose(fast[:, 2], 4.0 * slow[:, 2], atol=1e-7)
@@ -109,7 +110,7 @@ def test_speed_scales_with_the_period() -> None:
 
 def refusal(**changes: Any) -> str:
     with pytest.raises(UnreachableError) as caught:
-        follow_circle(CircleTrajectory(**changes))
+        follow_circle(CircleTrajectory(**changes), SHIPPED)
     return str(caught.value)
 
 
@@ -138,14 +139,14 @@ def test_an_unreachable_circle_blames_the_radius() -> None:
 def test_a_circle_round_the_base_would_wind_a_joint_up() -> None:
     behind = CircleTrajectory().pose
     pose = (np.pi, *behind[1:])
-    assert follow_circle(CircleTrajectory(pose=pose)).shape
+    assert follow_circle(CircleTrajectory(pose=pose), SHIPPED).shape
     assert "winds up by 360°" in refusal(pose=pose, radius=0.45)
 
 
 def turn_or_field(circle: CircleTrajectory) -> Array | str:
     """Return the joint motion, or the field that is to blame for there being none."""
     try:
-        return follow_circle(circle)
+        return follow_circle(circle, SHIPPED)
     except UnreachableError as error:
         return error.field
 

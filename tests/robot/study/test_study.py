@@ -15,7 +15,7 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.loop.simulate import simulate
-from slidetune.robot.study.curves import CURVES, bands, curves_of, edges
+from slidetune.robot.study.curves import bands, curve_names, curves_of, edges
 from slidetune.robot.study.draws import drawn
 from slidetune.robot.study.outcome import outcome
 from slidetune.robot.study.results import bands_of, result_of, table_of
@@ -147,7 +147,7 @@ def test_a_draw_that_left_its_bounds_is_beyond_all() -> None:
     assert most["median"][70] is None
     assert most["high"][70] is None
     assert most["median"][10] is not None
-    assert set(bands([good], 0.3)["curves"]) == set(CURVES)
+    assert set(bands([good], 0.3)["curves"]) == set(curve_names(6))
     assert json.dumps(bands([good, gone], 0.3), allow_nan=False)
 
 

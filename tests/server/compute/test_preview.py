@@ -20,7 +20,7 @@ from slidetune.robot.knobs.plan import EPSILONS, sensitivity, strip, switching_c
 from slidetune.robot.knobs.variant import figures
 from slidetune.robot.laws.terms.switching import SWITCHINGS
 from slidetune.robot.loop.figures import STUDIED
-from slidetune.robot.loop.response import CHANNELS
+from slidetune.robot.loop.response import response_channels
 from slidetune.robot.loop.simulate import simulate
 from tests.server.conftest import Served
 
@@ -136,7 +136,7 @@ def test_metrics_are_those_of_simulate(served: Served) -> None:
     head, lanes = preview(served, patch=SHORT)
     run = simulate(experiment)
     assert (head["estimated"], head["horizon"]) == (True, 1.0)
-    assert head["channels"] == list(CHANNELS)
+    assert head["channels"] == list(response_channels(6))
     assert [lane["name"] for lane in head["lanes"]] == list(experiment.lanes)
     for lane in head["lanes"]:
         expected = run.lanes[lane["name"]].metrics.document()
@@ -155,7 +155,7 @@ def test_columns_run_over_the_horizon_and_keep_every_peak(served: Served) -> Non
     for name, (time_, *columns) in lanes.items():
         assert (time_[0], time_[-1]) == (0.0, 1.0)
         assert (np.diff(time_) > 0.0).all()
-        by_channel = dict(zip(CHANNELS, columns, strict=True))
+        by_channel = dict(zip(response_channels(6), columns, strict=True))
         for joint in range(6):
             whole = run.lanes[name].e[:, joint]
             thin = by_channel[f"e{joint + 1}"]
