@@ -17,8 +17,9 @@ from optuna.distributions import BaseDistribution, FloatDistribution
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
-from slidetune.robot.study.judgement import CHUNK, is_beaten, judged, summary
+from slidetune.robot.study.judgement import is_beaten, judged, summary
 from slidetune.robot.study.outcome import FAILED, NOMINAL, Outcome, outcomes
+from slidetune.robot.study.race import draws_a_task, race
 from slidetune.robot.study.samplers import BATCH, sampler
 from slidetune.robot.study.search_space import Dimension, patch_of, search_space
 from slidetune.robot.study.tuning import Tuning, check_tuning
@@ -118,6 +119,7 @@ class _Search:
         self._soft = [name for name, goal in goals.items() if goal.priority == "soft"]
         self._several = tuning.sampler == "nsga2"
         self._draws = tuple(range(tuning.draws)) or (NOMINAL,)
+        self._size = draws_a_task(experiment)
         self._study = optuna.create_study(
             directions=["minimize"] * (len(self._soft) if self._several else 1),
             sampler=sampler(tuning.sampler, tuning.seed),
@@ -151,34 +153,24 @@ class _Search:
     def _batch(
         self, first: int, values: Sequence[dict[str, float]], stored: dict[int, Trial]
     ) -> list[Trial]:
-        """Make the trials of a batch, draw by draw, in step with each other."""
+        """Make the trials of a batch."""
         numbers = [first + place for place in range(len(values)) if first + place not in stored]
         patches = {
             number: patch_of(self._tuning.lane, self._space, values[number - first])
             for number in numbers
         }
-        met: dict[int, list[Outcome]] = {number: [] for number in numbers}
-        racing, count = list(numbers), len(self._draws)
-        for start in range(0, count, CHUNK):
-            draws = self._draws[start : start + CHUNK]
-            tasks = {number: self._submit(patches[number], draws) for number in racing}
-            try:
-                for number in racing:
-                    met[number] += tasks[number].result()[0]
-            except BaseException:
-                for task in tasks.values():
-                    task.cancel()
-                raise
-            racing = [number for number in racing if not self._is_beaten(met[number])]
+
+        def submit(number: int, draws: Sequence[int]) -> Future[list[list[Outcome]]]:
+            variant, lane = [patches[number]], self._tuning.lane
+            return self._executor.submit(outcomes, self._experiment, lane, variant, draws)
+
+        met = race(numbers, self._draws, self._size, submit, self._is_beaten)
         made = {
             number: self._trial(number, values[number - first], patches[number], met[number])
             for number in numbers
         }
         places = range(first, first + len(values))
         return [made[number] if number in made else stored[number] for number in places]
-
-    def _submit(self, patch: dict[str, Any], draws: Sequence[int]) -> Future[list[list[Outcome]]]:
-        return self._executor.submit(outcomes, self._experiment, self._tuning.lane, [patch], draws)
 
     def _is_beaten(self, met: Sequence[Outcome]) -> bool:
         costs, count = [one.cost for one in met], len(self._draws)
