@@ -89,22 +89,19 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
         trials: those to choose from.
         goals: names of the goals whose ratios are compared.
     """
-    able = [
-        (trial, [trial.outcome.ratios[name] for name in goals])
-        for trial in trials
-        if trial.outcome.kept and not trial.beaten
-    ]
-    known = [(trial, ratios) for trial, ratios in able if None not in ratios]
-    table = np.array([ratios for _, ratios in known], dtype=float).reshape(len(known), len(goals)).T
-    # Whoever beats another comes before it in this order: only the front so far needs a look.
-    front, unbeaten = np.empty_like(table), list[int]()
-    for place in np.lexsort(table[::-1]).tolist():
-        own, others = table[:, place : place + 1], front[:, : len(unbeaten)]
-        no_worse = np.all(others <= own, axis=0)
-        if not np.any(no_worse & np.any(others < own, axis=0)):
-            front[:, len(unbeaten)] = own[:, 0]
-            unbeaten.append(place)
-    return [known[place][0] for place in sorted(unbeaten)]
+    able = [trial for trial in trials if trial.outcome.kept and not trial.beaten]
+    columns = [[trial.outcome.ratios[name] for trial in able] for name in goals]
+    table = np.array(columns, dtype=float).reshape(len(goals), len(able))  # None becomes NaN
+    # Whoever beats another comes before it in this order: the first that is left is unbeaten.
+    order, unbeaten = np.lexsort(table[::-1]), list[int]()
+    left = order[~np.isnan(table[:, order]).any(axis=0)]
+    while len(left):
+        first, left = int(left[0]), left[1:]
+        unbeaten.append(first)
+        own, others = table[:, first, None], table[:, left]
+        beaten = np.all(own <= others, axis=0) & np.any(own < others, axis=0)
+        left = left[~beaten]
+    return [able[place] for place in sorted(unbeaten)]
 
 
 class _Search:

@@ -225,7 +225,7 @@ class StudyRunner:
         return "done", ""
 
     def _known(self, study: Study, number: int) -> list[Entry]:
-        return [study.entry(document) for document in self.store.entries(number)]
+        return study.read(self.store.texts(number))
 
     def _lock_file(self, number: int) -> Path:
         return self.store.folder / f"study-{number}.lock"
