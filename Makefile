@@ -67,6 +67,7 @@ fuzz: $(INSTALLED)  ## Send it more than 100,000 malformed inputs
 
 peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in build/)
 	$(VENV_PYTHON) -m tests.peers.compare $(ARGS)
+	$(VENV_PYTHON) -m tests.peers.search $(ARGS)
 
 opensmc: $(INSTALLED)  ## Run the laws that OpenSMC has too, there and here
 	$(VENV_PYTHON) -m tests.peers.opensmc $(ARGS)

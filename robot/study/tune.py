@@ -17,8 +17,9 @@ from optuna.distributions import BaseDistribution, FloatDistribution
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
-from slidetune.robot.study.judgement import CHUNK, is_beaten, judged, summary
+from slidetune.robot.study.judgement import is_beaten, judged, summary
 from slidetune.robot.study.outcome import FAILED, NOMINAL, Outcome, outcomes
+from slidetune.robot.study.race import draws_a_task, race
 from slidetune.robot.study.samplers import BATCH, sampler
 from slidetune.robot.study.search_space import Dimension, patch_of, search_space
 from slidetune.robot.study.tuning import Tuning, check_tuning
@@ -88,22 +89,19 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
         trials: those to choose from.
         goals: names of the goals whose ratios are compared.
     """
-    able = [
-        (trial, [trial.outcome.ratios[name] for name in goals])
-        for trial in trials
-        if trial.outcome.kept and not trial.beaten
-    ]
-    known = [(trial, ratios) for trial, ratios in able if None not in ratios]
-    table = np.array([ratios for _, ratios in known], dtype=float).reshape(len(known), len(goals)).T
-    # Whoever beats another comes before it in this order: only the front so far needs a look.
-    front, unbeaten = np.empty_like(table), list[int]()
-    for place in np.lexsort(table[::-1]).tolist():
-        own, others = table[:, place : place + 1], front[:, : len(unbeaten)]
-        no_worse = np.all(others <= own, axis=0)
-        if not np.any(no_worse & np.any(others < own, axis=0)):
-            front[:, len(unbeaten)] = own[:, 0]
-            unbeaten.append(place)
-    return [known[place][0] for place in sorted(unbeaten)]
+    able = [trial for trial in trials if trial.outcome.kept and not trial.beaten]
+    columns = [[trial.outcome.ratios[name] for trial in able] for name in goals]
+    table = np.array(columns, dtype=float).reshape(len(goals), len(able))  # None becomes NaN
+    # Whoever beats another comes before it in this order: the first that is left is unbeaten.
+    order, unbeaten = np.lexsort(table[::-1]), list[int]()
+    left = order[~np.isnan(table[:, order]).any(axis=0)]
+    while len(left):
+        first, left = int(left[0]), left[1:]
+        unbeaten.append(first)
+        own, others = table[:, first, None], table[:, left]
+        beaten = np.all(own <= others, axis=0) & np.any(own < others, axis=0)
+        left = left[~beaten]
+    return [able[place] for place in sorted(unbeaten)]
 
 
 class _Search:
@@ -118,6 +116,7 @@ class _Search:
         self._soft = [name for name, goal in goals.items() if goal.priority == "soft"]
         self._several = tuning.sampler == "nsga2"
         self._draws = tuple(range(tuning.draws)) or (NOMINAL,)
+        self._size = draws_a_task(experiment)
         self._study = optuna.create_study(
             directions=["minimize"] * (len(self._soft) if self._several else 1),
             sampler=sampler(tuning.sampler, tuning.seed),
@@ -151,34 +150,24 @@ class _Search:
     def _batch(
         self, first: int, values: Sequence[dict[str, float]], stored: dict[int, Trial]
     ) -> list[Trial]:
-        """Make the trials of a batch, draw by draw, in step with each other."""
+        """Make the trials of a batch."""
         numbers = [first + place for place in range(len(values)) if first + place not in stored]
         patches = {
             number: patch_of(self._tuning.lane, self._space, values[number - first])
             for number in numbers
         }
-        met: dict[int, list[Outcome]] = {number: [] for number in numbers}
-        racing, count = list(numbers), len(self._draws)
-        for start in range(0, count, CHUNK):
-            draws = self._draws[start : start + CHUNK]
-            tasks = {number: self._submit(patches[number], draws) for number in racing}
-            try:
-                for number in racing:
-                    met[number] += tasks[number].result()[0]
-            except BaseException:
-                for task in tasks.values():
-                    task.cancel()
-                raise
-            racing = [number for number in racing if not self._is_beaten(met[number])]
+
+        def submit(number: int, draws: Sequence[int]) -> Future[list[list[Outcome]]]:
+            variant, lane = [patches[number]], self._tuning.lane
+            return self._executor.submit(outcomes, self._experiment, lane, variant, draws)
+
+        met = race(numbers, self._draws, self._size, submit, self._is_beaten)
         made = {
             number: self._trial(number, values[number - first], patches[number], met[number])
             for number in numbers
         }
         places = range(first, first + len(values))
         return [made[number] if number in made else stored[number] for number in places]
-
-    def _submit(self, patch: dict[str, Any], draws: Sequence[int]) -> Future[list[list[Outcome]]]:
-        return self._executor.submit(outcomes, self._experiment, self._tuning.lane, [patch], draws)
 
     def _is_beaten(self, met: Sequence[Outcome]) -> bool:
         costs, count = [one.cost for one in met], len(self._draws)

@@ -162,7 +162,7 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         """One study and what it shows so far."""
         record = store.one(number)
         study = _study(record)
-        entries = [study.entry(document) for document in store.entries(number)]
+        entries = study.read(store.texts(number))
         return {
             **_summary(app_state, record),
             "wanted": record.wanted,
@@ -244,7 +244,7 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         """A study as a file: itself, its entries as a table, or a preset with found gains."""
         record = store.one(number)
         study = _study(record)
-        entries = [study.entry(document) for document in store.entries(number)]
+        entries = study.read(store.texts(number))
         content, media_type = download(study, record.title, entries, format, trial)
         disposition = f'attachment; filename="study-{number}.{SUFFIXES[format]}"'
         return Response(

@@ -42,9 +42,9 @@ class _Pace:
     executor: Executor
     tasks: int = 0
 
-    def count(self, _: object) -> None:
-        """Note that one more task has ended."""
-        self.tasks += 1
+    def count(self, task: Future[Any]) -> None:
+        """Note that one more task has ended; one that was cancelled has made nothing."""
+        self.tasks += not task.cancelled()
 
 
 class _Counted(Executor):
@@ -225,7 +225,7 @@ class StudyRunner:
         return "done", ""
 
     def _known(self, study: Study, number: int) -> list[Entry]:
-        return [study.entry(document) for document in self.store.entries(number)]
+        return study.read(self.store.texts(number))
 
     def _lock_file(self, number: int) -> Path:
         return self.store.folder / f"study-{number}.lock"

@@ -164,10 +164,14 @@ class StudyStore:
 
     def entries(self, number: int, first: int = 0, most: int = -1) -> list[Document]:
         """Return entries of a study in their order: from one on, and how many at most."""
+        return [json.loads(text) for text in self.texts(number, first, most)]
+
+    def texts(self, number: int, first: int = 0, most: int = -1) -> list[str]:
+        """Return the same as ``entries``, each as the JSON that was kept."""
         query = (
             "SELECT document FROM entries WHERE study = ? AND number >= ? ORDER BY number LIMIT ?"
         )
-        return [json.loads(text) for (text,) in self._select(query, (number, first, most))]
+        return [text for (text,) in self._select(query, (number, first, most))]
 
     def curves(self, number: int) -> list[bytes | None]:
         """Return the curves of a study's entries, in their order."""

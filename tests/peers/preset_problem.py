@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from slidetune.robot.arm.description import URDF_PATH
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.laws.rbfnn_nftsm import RbfnnNftsm
@@ -23,7 +24,15 @@ def preset_problem(name: str) -> Problem:
     Raises:
         TypeError: if it is not RBFNN-NFTSM on a sine.
     """
-    experiment = load_preset(name)
+    return problem_of(load_preset(name), name)
+
+
+def problem_of(experiment: Experiment, name: str) -> Problem:
+    """Return the loop of an experiment that is a shipped preset with other gains.
+
+    Raises:
+        TypeError: if it is not RBFNN-NFTSM on a sine.
+    """
     gains, path = experiment.lanes[LANE], experiment.trajectory
     if not isinstance(gains, RbfnnNftsm) or not isinstance(path, SineTrajectory):
         raise TypeError(f"{name} is not RBFNN-NFTSM on a sine")

@@ -55,8 +55,8 @@ def only_lane(experiment: Experiment) -> LaneRun:
     return lane
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("law", LAWS)
+# Drives know of no law, and no law of them: each law behind one, each drive behind two laws.
+@pytest.mark.parametrize(("law", "drive"), [*zip(LAWS, [*DRIVES, *DRIVES], strict=True)])
 def test_the_continuous_loop_is_that_of_the_reference(law: str, drive: str) -> None:
     experiment = experiment_of(law, DRIVES[drive], step=0.0005)
     run = only_lane(experiment)
@@ -65,9 +65,15 @@ def test_the_continuous_loop_is_that_of_the_reference(law: str, drive: str) -> N
     assert difference(run.q[::50], truth.q) < TRUE
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.0013])
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("law", ["nftsm", "shaped", "smc", "computed_torque"])
+# Every pair of two of them: law and drive, law and delay, drive and delay.
+@pytest.mark.parametrize(
+    ("law", "drive", "delay"),
+    [
+        (law, drive, (0.0, 0.0013)[(row + column) % 2])
+        for row, law in enumerate(["nftsm", "shaped", "smc", "computed_torque"])
+        for column, drive in enumerate(DRIVES)
+    ],
+)
 def test_the_sampled_loop_is_that_of_the_reference(law: str, drive: str, delay: float) -> None:
     # The arm's own steps are of first order: so fine that only the drives are left.
     sampled = {"mode": "sampled", "plant_substeps": 40, "input_delay": delay, "horizon": 0.4}
@@ -78,8 +84,8 @@ def test_the_sampled_loop_is_that_of_the_reference(law: str, drive: str, delay: 
     assert difference(run.q, truth) < TRUE
 
 
-# Draws that the reference gets through in a few seconds.
-@pytest.mark.parametrize("seed", [0, 5, 9, 10, 11, 13, 17, 19, 24, 25, 33, 38, 41, 50, 54, 75])
+# Draws that the reference gets through in a few seconds; every lag is among them.
+@pytest.mark.parametrize("seed", [0, 9, 10, 11, 13, 17, 24, 25, 33, 38, 41, 50, 54, 75])
 def test_the_estimate_holds_behind_a_lag(seed: int) -> None:
     dice = random.Random(seed)
     document = (by_hand if seed % 2 else in_its_world)(seed)

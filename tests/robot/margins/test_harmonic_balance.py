@@ -90,26 +90,25 @@ def test_sign_swings_as_fast_and_as_far_as_predicted(case: Scalar) -> None:
     assert cycle.slowest < 2.0 * np.pi * frequency < cycle.fastest
 
 
-@pytest.mark.parametrize(("root", "rate"), [(15.0, 110.0), (5.0, 110.0), (30.0, 50.0)])
 @pytest.mark.parametrize("case", CASES)
-def test_super_twisting_swings_as_fast_and_as_far_as_predicted(
-    case: Scalar, root: float, rate: float
-) -> None:
+def test_super_twisting_swings_as_fast_and_as_far_as_predicted(case: Scalar) -> None:
     unit = case._replace(kappa=1.0, disturbance=0.0)
-    z = np.zeros(1)
+    roots, rates = np.array([15.0, 5.0, 30.0]), np.array([110.0, 110.0, 50.0])
+    z = np.zeros(3)
 
     def twist(S: Array) -> Array:
-        torque = root * np.sqrt(np.abs(S)) * np.sign(S) + z
-        z[:] += unit.period * rate * np.sign(S)
+        torque = roots * np.sqrt(np.abs(S)) * np.sign(S) + z
+        z[:] += unit.period * rates * np.sign(S)
         return np.asarray(torque)
 
-    S = run(unit, twist, 6.0, ONE)[:, 0]
-    frequency, _ = swing(S, unit.period)
-    gains = (np.full(JOINTS, gain) for gain in (root, rate))
-    cycle = limit_cycles(six(unit), SwitchingTerm("twisting", np.ones(JOINTS), *gains))[3]
-    assert cycle is not None
-    assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
-    assert cycle.amplitude == pytest.approx(0.5 * np.ptp(S[len(S) // 2 :]), rel=0.25)
+    runs = run(unit, twist, 6.0, np.full(3, 1e-3)).T
+    for S, root, rate in zip(runs, roots, rates, strict=True):
+        frequency, _ = swing(S, unit.period)
+        gains = (np.full(JOINTS, gain) for gain in (root, rate))
+        cycle = limit_cycles(six(unit), SwitchingTerm("twisting", np.ones(JOINTS), *gains))[3]
+        assert cycle is not None
+        assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
+        assert cycle.amplitude == pytest.approx(0.5 * np.ptp(S[len(S) // 2 :]), rel=0.25)
 
 
 def test_a_joint_whose_super_twisting_gains_are_0_does_not_swing() -> None:
@@ -122,18 +121,18 @@ def test_a_joint_whose_super_twisting_gains_are_0_does_not_swing() -> None:
     assert np.isfinite(cycles[3].phasors).all()
 
 
-@pytest.mark.parametrize("share", [0.3, 0.6])
 @pytest.mark.parametrize("case", CASES)
-def test_tanh_within_a_thin_layer_swings_as_predicted(case: Scalar, share: float) -> None:
+def test_tanh_within_a_thin_layer_swings_as_predicted(case: Scalar) -> None:
     silent = limit_cycles(six(case), SIGN)[0]
     assert silent is not None
-    layer = share * silent.crossing
-    S = run(case, lambda S: np.tanh(S / layer), 3.0, ONE)[:, 0]
-    frequency, amplitude = swing(S, case.period)
-    cycle = limit_cycles(six(case), SwitchingTerm.within("tanh", np.full(JOINTS, layer)))[0]
-    assert cycle is not None
-    assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
-    assert cycle.amplitude == pytest.approx(amplitude, rel=0.25)
+    layers = silent.crossing * np.array([0.3, 0.6])
+    runs = run(case, lambda S: np.tanh(S / layers), 3.0, np.full(2, 1e-3)).T
+    for S, layer in zip(runs, layers, strict=True):
+        frequency, amplitude = swing(S, case.period)
+        cycle = limit_cycles(six(case), SwitchingTerm.within("tanh", np.full(JOINTS, layer)))[0]
+        assert cycle is not None
+        assert cycle.omega / (2.0 * np.pi) == pytest.approx(frequency, rel=0.1)
+        assert cycle.amplitude == pytest.approx(amplitude, rel=0.25)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -58,6 +58,7 @@ def test_a_study_goes_on_where_it_stopped(kind: Any) -> None:
         rest = made(study, known)
         assert [one.document() for one in (*known, *rest)] == [one.document() for one in whole]
     assert json.dumps(result_of(study, whole), allow_nan=False)
+    assert study.read(json.dumps(one) for one in told) == [study.entry(one) for one in told]
 
 
 def test_a_goal_may_have_the_name_of_a_figure() -> None:

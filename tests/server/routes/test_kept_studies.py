@@ -6,15 +6,19 @@ import csv
 import io
 import json
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import httpx
+import numpy as np
 import pyarrow.parquet
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml
 from slidetune.robot.study.outcome import outcome
+from slidetune.robot.study.results import result_of
+from slidetune.robot.study.study import Study
 from slidetune.server.guard import limits
 from tests.server.conftest import Served
 
@@ -90,6 +94,48 @@ def test_a_search_is_followed_to_its_end_and_tells_what_its_gains_do(served: Ser
     listed = served.http.get("/api/studies").json()["studies"]
     assert listed[0]["id"] == number
     assert listed[0]["made"] == listed[0]["total"] == 20
+
+
+def test_thousands_of_trials_are_summed_up_as_they_are(served: Served) -> None:
+    experiment = prepare(served)
+    number = begun(served, trials=2)
+    ended(served, number)
+    store, random = served.app_state.studies.store, np.random.default_rng(1)
+    first = store.entries(number)[0]
+    documents = []
+    for place in range(2, 3000):
+        cost, *figures = random.random(5).tolist()
+        names = first["outcome"]["figures"]
+        ratios = dict(zip(GOALS, random.random(2).round(3).tolist(), strict=True))
+        told = {"cost": cost, "figures": dict(zip(names, figures, strict=True)), "ratios": ratios}
+        values = {"nu": float(random.uniform(0.1, 30.0))}
+        made = {**first["outcome"], **told, "kept": bool(place % 2)}
+        documents.append({**first, "number": place, "values": values, "outcome": made})
+    store.append(number, 2, [(one, None) for one in documents])
+    found = study(served, number)
+    whole = Study.from_document("tune", experiment, found["wanted"])
+    entries = [whole.entry(one) for one in store.entries(number)]
+    assert len(entries) == found["made"] == 3000
+    assert found["result"] == json.loads(json.dumps(result_of(whole, entries)))
+    best = min(entries, key=lambda one: one.outcome.cost)
+    assert found["result"]["best"] == best.document()  # type: ignore[union-attr]
+    assert len(found["result"]["front"]) > 1
+
+
+def test_the_live_session_goes_on_while_a_study_is_read(served: Served) -> None:
+    prepare(served)
+    number = begun(served, trials=2)
+    ended(served, number)
+    served.http.post("/api/session/play").raise_for_status()
+    with ThreadPoolExecutor(1) as threads:
+        with served.app_state.studies.store._lock:  # so it is under way for as long as it is held
+            asked = threads.submit(study, served, number)
+            begin = served.http.get("/api/session").json()["time"]
+            end = time.monotonic() + LONG
+            while served.http.get("/api/session").json()["time"] <= begin + 0.2:
+                assert time.monotonic() < end
+            assert not asked.done()
+        assert asked.result(LONG)["made"] == 2
 
 
 def test_a_study_is_of_the_experiment_as_it_was(served: Served) -> None:
