@@ -84,8 +84,11 @@ def add_arm(arm: KnownArm) -> None:
     """Let experiments be about an arm.
 
     Raises:
-        ValueError: if one that ships has its name.
+        ValueError: if one that ships has its name, or its tip is not on its last joint.
     """
+    frame = arm.model.frames[arm.model.getFrameId(arm.tip)]
+    if frame.parentJoint != arm.joints:
+        raise ValueError(f"the tip {arm.tip} of {arm.name} is not on its last joint")
     if arm.name in _shipped():
         raise ValueError(f"{arm.name} is the name of an arm that ships")
     _added[arm.name] = arm

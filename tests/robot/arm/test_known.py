@@ -27,9 +27,10 @@ TIME = np.arange(26) * 0.02
 def added() -> None:
     for name, build in ADDED.items():
         model = build()
-        tip = model.frames[model.nframes - 1].name
+        place = pin.SE3(pin.exp3(np.array([0.2, -0.1, 0.4])), np.array([0.02, 0.05, 0.1]))
+        model.addFrame(pin.Frame("tip", model.nv, 0, place, pin.FrameType.OP_FRAME))
         home = np.linspace(-0.5, 0.6, model.nv)
-        add_arm(KnownArm(name, name, "An arm of this test.", model, tip, tuple(home.tolist())))
+        add_arm(KnownArm(name, name, "An arm of this test.", model, "tip", tuple(home.tolist())))
 
 
 def of_arm(name: str, lane: dict[str, Any], **sections: Any) -> Experiment:
@@ -167,6 +168,12 @@ def test_what_does_not_fit_an_arm_is_refused_by_field(
     with pytest.raises(InvalidExperimentError, match=words) as caught:
         Experiment.from_document(document)
     assert [error.path for error in caught.value.fields] == [field]
+
+
+def test_an_arm_s_flange_is_on_its_last_joint() -> None:
+    arm = arm_named("two_links")
+    with pytest.raises(ValueError, match="last joint"):
+        add_arm(KnownArm("other", "Other", "", arm.model, "upper_rod", arm.home))
 
 
 def test_no_other_arm_takes_the_name_of_one_that_ships() -> None:
