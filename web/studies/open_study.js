@@ -10,7 +10,7 @@ import {isWatching} from '../api/watch_only.js';
 import {SCHEMA} from '../api/schema_document.js';
 import {FieldNames} from '../fields/field_names.js';
 import {Schema} from '../fields/schema.js';
-import {threeDigits} from '../figures/columns.js';
+import {ratioText} from '../goals/words.js';
 import {RobustnessResult} from '../study_results/robustness.js';
 import {SweepResult} from '../study_results/sweep.js';
 import {WorstResult} from '../study_results/worst.js';
@@ -128,7 +128,7 @@ export class OpenStudy {
     const {state, made, total, result} = summary;
     const best = result?.best?.outcome.score;
     const words = [progressWords(summary),
-      typeof best === 'number' && `best score ${threeDigits(best)}`];
+      typeof best === 'number' && `best score ${ratioText(best)}`];
     this.#state.textContent = state;
     this.#state.dataset.state = state;
     this.#bar.max = total;
