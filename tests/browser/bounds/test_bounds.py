@@ -75,7 +75,7 @@ def goals_of(dashboard: Dashboard) -> dict[str, Any]:
 
 
 def until(dashboard: Dashboard, done: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    end = time.monotonic() + 15.0
+    end = time.monotonic() + 60.0
     while not done(goals := goals_of(dashboard)):
         assert time.monotonic() < end, goals
         time.sleep(0.05)

@@ -274,7 +274,7 @@ def test_a_server_that_is_lost_is_heard_again(
     view = open_view(page, dashboard)
     expect(view.locator(".study-lost")).to_contain_text(re.compile("can.t be (heard|followed)"))
     lost = False
-    expect(view.locator(".study-lost")).to_be_hidden(timeout=30_000)
+    expect(view.locator(".study-lost")).to_be_hidden(timeout=60_000)
     expect(view.locator(".study-words")).to_contain_text(re.compile(r"[1-9]\d* of 5000 trials"))
     view.get_by_role("button", name="Stop").click()
     expect(view.locator(".study-head .study-state")).to_have_text("stopped")

@@ -36,7 +36,7 @@ HARD = {
         }
     }
 }
-DEADLINE = 15.0
+DEADLINE = 60.0
 
 
 def drawn(place: Locator, panel: str, uid: str) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from tests.browser.inspector import Inspector
 from tests.browser.lenses.test_lenses import experiment, patch
 from tests.browser.study_search.searches import GOALS, HARD, LANE, mounted, searched
 
-DEADLINE = 30.0
+DEADLINE = 60.0
 TRIALS = 32
 
 
