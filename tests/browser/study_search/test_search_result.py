@@ -56,6 +56,11 @@ def undo_label(page: Page) -> str | None:
     return label
 
 
+def until_label(page: Page, label: str) -> None:
+    """Wait until that is what undo would take back: the page hears of an edit after the server."""
+    page.wait_for_function("label => harness.history.undoLabel === label", arg=label)
+
+
 def rows(page: Page) -> list[list[str]]:
     table: list[list[str]] = page.evaluate(
         """() => [...document.querySelectorAll('.harness .search-table tbody tr')].map(
@@ -255,13 +260,13 @@ def test_gains_are_used_in_the_lane_or_a_new_one_as_one_edit_each(
     part(page).get_by_role("button", name="Use these gains").click()
     until_gains(dashboard, gains_of(study, 5))
     expect(part(page).get_by_role("button", name="Use these gains")).to_be_disabled()
-    assert undo_label(page) == f"gains of {LANE}"
+    until_label(page, f"gains of {LANE}")
     page.evaluate("harness.history.undo()")
     until_gains(dashboard, before)
     for name in (f"{LANE} tuned", f"{LANE} tuned 2"):
         part(page).get_by_role("button", name="Apply as a new lane").click()
         until_gains(dashboard, gains_of(study, 5), name)
-    assert undo_label(page) == f"new lane {LANE} tuned 2"
+    until_label(page, f"new lane {LANE} tuned 2")
     page.evaluate("harness.history.undo()")
     end = time.monotonic() + DEADLINE
     while lane(dashboard, f"{LANE} tuned 2"):
