@@ -41,6 +41,13 @@ def experiment(dashboard: Dashboard) -> dict[str, Any]:
     return document
 
 
+def until_document(dashboard: Dashboard, wanted: dict[str, Any]) -> None:
+    end = time.monotonic() + 60.0
+    while experiment(dashboard) != wanted:
+        assert time.monotonic() < end, "the experiment did not arrive"
+        time.sleep(0.05)
+
+
 def until_experiment(dashboard: Dashboard, lane: str, gain: str, value: float) -> None:
     end = time.monotonic() + 60.0
     while (now := experiment(dashboard)["lanes"][lane][gain]) != value:
@@ -153,10 +160,7 @@ def test_presets_are_switched_from_the_menu(page: Page, dashboard: Dashboard) ->
     wanted = load_preset("chattering-sign")
     for lane in wanted.lanes:
         expect(page.locator("#tune")).to_contain_text(lane)
-    end = time.monotonic() + 60.0
-    while experiment(dashboard) != wanted.document():
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    until_document(dashboard, wanted.document())
 
 
 def test_what_undoes_a_preset_brings_the_initial_state_back(
@@ -194,10 +198,7 @@ def test_an_undo_waits_for_the_edit_that_is_on_its_way(page: Page, dashboard: Da
     page.keyboard.press("Control+z")
     with page.expect_response("**/api/presets/realistic/load"):
         held[0].continue_()
-    end = time.monotonic() + 60.0
-    while experiment(dashboard) != before:
-        assert time.monotonic() < end, "the preset stayed"
-        page.wait_for_timeout(50)
+    until_document(dashboard, before)
 
 
 def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(
@@ -238,10 +239,7 @@ def test_an_export_comes_back_by_import(page: Page, dashboard: Dashboard, tmp_pa
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Import").click()
     chooser.value.set_files(path)
-    end = time.monotonic() + 60.0
-    while experiment(dashboard) != wanted:
-        assert time.monotonic() < end, "the import did not arrive"
-        time.sleep(0.05)
+    until_document(dashboard, wanted)
     # What offers to undo it goes when it would undo something else.
     undo = page.locator(".notice").get_by_role("button", name="Undo")
     undo.hover()  # It stays as long as somebody looks at it.

@@ -17,8 +17,8 @@ from tests.browser.study_search.test_search_result import (
     lane,
     part,
     undo_label,
-    until_label,
     until_gains,
+    until_label,
 )
 
 NUMBER = 5
