@@ -58,6 +58,7 @@ export class SweepResult {
   /** @type {Study|null} */ #study = null;
   /** @type {Point[]} */ #points = [];
   /** @type {Swept[]} */ #axes = [];
+  /** @type {number|null} the value that is marked */ #marked = null;
   #listening = new AbortController();
 
   /**
@@ -73,7 +74,7 @@ export class SweepResult {
       this.#which, this.#places, this.#chosen);
     this.element = element('div', {class: 'study-result', hidden: true}, this.#card.element);
     const {signal} = this.#listening;
-    for (const type of ['hello', 'patch']) api.addEventListener(type, () => this.#draw(), {signal});
+    for (const type of ['hello', 'patch']) api.addEventListener(type, () => this.#mark(), {signal});
   }
 
   /** The study is left. */
@@ -130,13 +131,21 @@ export class SweepResult {
     return {short, unit, path, name: unit ? `${short} [${unit}]` : short};
   }
 
+  /** Draw anew where the live experiment has another value than the one that is marked. */
+  #mark() {
+    const [along, up] = this.#axes;
+    if (along && !up && this.#now(along) !== this.#marked) this.#draw();
+  }
+
   #draw() {
     const study = this.#study;
     if (!study) return;
     const measures = [...this.#measure.options].map(({value}) => (
       [...FIGURE_MEASURES, SCORE].find(({id}) => id === value) ?? SCORE
     ));
-    const map = this.#axes.length > 1;
+    const [along, up] = this.#axes;
+    const map = Boolean(up);
+    const now = this.#marked = map || !along ? null : this.#now(along);
     const shown = map ? measures.filter(({id}) => id === this.#measure.value) : measures;
     const figures = shown.map((measure) => {
       const id = map ? 'map' : measure.id;
@@ -147,9 +156,8 @@ export class SweepResult {
       }
       figure.element.dataset.panel = measure.id;
       const drawn = {title: measure.title, points: this.#points.map((point) => this.#shown(measure, point))};
-      const [along, up] = this.#axes;
       figure.draw(`${measure.title} over ${this.#axes.map(({name}) => name).join(' and ')}`, (colors) => (
-        map ? mapFigure(colors, [along, up], drawn) : curveFigure(colors, along, drawn, colorOf(this.#api, study, colors), this.#now(along))
+        map ? mapFigure(colors, [along, up], drawn) : curveFigure(colors, along, drawn, colorOf(this.#api, study, colors), now)
       ));
       return figure.element;
     });
