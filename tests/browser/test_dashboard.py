@@ -199,6 +199,7 @@ def test_an_undo_waits_for_the_edit_that_is_on_its_way(page: Page, dashboard: Da
     with page.expect_response("**/api/presets/realistic/load"):
         held[0].continue_()
     until_document(dashboard, before)
+    expect(page.locator(".preset-name")).to_have_text("paper")
 
 
 def test_a_name_is_refused_by_the_rule_and_a_good_one_saved(
