@@ -1,8 +1,8 @@
 """The page and its files: each version has addresses of its own, so that browsers keep them.
 
-A page is more than two hundred files. Asked for again one by one at every visit they took four
-times the work of the server, whose process steps the session as well, and many round trips of a
-browser far away.
+A page is more than two hundred files. Asked for again one by one they took more than half of what
+a visit costs the server, whose process steps the session as well (0.28 s of processor against
+0.12 s, *ours*, measured), and many round trips of a browser far away.
 """
 
 from __future__ import annotations
