@@ -84,11 +84,10 @@ export class OpenStudy {
     const remove = act('Delete…', () => this.#remove());
     remove.hidden = isWatching();
     this.element = element('section', {class: 'study-open', 'aria-labelledby': id},
-      element('div', {class: 'study-row'}, element('button', {
-        class: 'button small', type: 'button', on: {click: leave},
-      }, icon('chevron'), 'All studies')),
-      element('header', {class: 'study-head'}, this.#title, this.#state,
-        element('span', {class: 'study-about'}, whenOf(summary))),
+      element('header', {class: 'study-head'}, element('button', {
+        class: 'button small study-back', type: 'button', on: {click: leave},
+      }, icon('chevron'), 'All studies'), this.#title, this.#state,
+      element('span', {class: 'study-about'}, whenOf(summary))),
       this.#bar, this.#words, this.#aloud, this.#lost, this.#alert,
       element('div', {class: 'study-row'}, this.#stop, this.#resume, remove, this.#files),
       this.#other, this.#result?.element);

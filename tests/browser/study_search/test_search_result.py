@@ -323,3 +323,28 @@ def test_axe_finds_nothing_serious_in_light_and_in_dark(
         part(page).get_by_role("tab", name=tab).click()
         inspector.look(tab, ".harness")
     assert inspector.found == []
+
+
+@pytest.mark.parametrize("tab", ["Progress", "Compromises", "Gains and score"])
+def test_a_trial_under_the_pointer_and_its_response_are_seen_together(
+    page: Page, dashboard: Dashboard, study: dict[str, Any], tab: str
+) -> None:
+    page.goto(dashboard.url)
+    page.get_by_role("tab", name="Studies").click()
+    page.locator(".study-item").click()
+    page.get_by_role("tab", name=tab, exact=True).click()
+    response = page.locator(".search-preview .lens-graph .main-svg").first
+    expect(response).to_be_attached()
+    boxes = [
+        part.bounding_box()
+        for part in (
+            page.locator(".search-pictures"),
+            page.locator(".search-preview .lens-graph"),
+            page.locator(".search-actions"),
+            page.locator(".study-scroller"),
+        )
+    ]
+    plot, preview, actions, scroller = (box for box in boxes if box is not None)
+    assert scroller["y"] <= plot["y"]
+    assert preview["y"] + preview["height"] <= actions["y"] + 1
+    assert actions["y"] + actions["height"] <= scroller["y"] + scroller["height"] + 1
