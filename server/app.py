@@ -7,8 +7,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 
 from fastapi import FastAPI
-from fastapi.responses import FileResponse
-from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from slidetune.robot import __version__
@@ -17,7 +15,7 @@ from slidetune.server.contract.refusals import install_refusals
 from slidetune.server.guard.access import Access
 from slidetune.server.guard.access_policy import AccessPolicy
 from slidetune.server.guard.body_limit import BodyLimit
-from slidetune.server.hosting.static_paths import PLOTLY, WEB
+from slidetune.server.hosting.page_files import serve_page
 from slidetune.server.routes.docs import docs_router
 from slidetune.server.routes.experiment import experiment_router
 from slidetune.server.routes.history import history_router
@@ -39,15 +37,6 @@ The live session of a JAKA Zu 5 under sliding-mode control: one document (the ex
 by JSON Merge Patches; commands to the session; presets. Live data arrive over the WebSocket at
 `/api/live`, which [a page of its own](/docs/live) describes.
 """
-
-
-class _Revalidated(StaticFiles):
-    """Static files that a browser asks for again, so that an update is seen at once."""
-
-    def file_response(self, *args: object, **kwargs: object) -> object:  # type: ignore[override]
-        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
-        response.headers["cache-control"] = "no-cache"
-        return response
 
 
 def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
@@ -98,17 +87,5 @@ def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     app.include_router(docs_router())
     scene = app_state.view.scene
     app.include_router(scene_router(scene.port, scene.lock()))
-    _serve_page(app)
+    serve_page(app)
     return Access(BodyLimit(app), policy)
-
-
-def _serve_page(app: FastAPI) -> None:
-    @app.get("/", include_in_schema=False)
-    async def page() -> FileResponse:
-        return FileResponse(WEB / "index.html", headers={"cache-control": "no-cache"})
-
-    @app.get("/static/plotly.min.js", include_in_schema=False)
-    async def plotly_bundle() -> FileResponse:
-        return FileResponse(PLOTLY, headers={"cache-control": "no-cache"})
-
-    app.mount("/static", _Revalidated(directory=WEB), name="static")

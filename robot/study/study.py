@@ -17,7 +17,6 @@ from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.fields.quantity import Integer, Section, field
 from slidetune.robot.fields.refusal import field_errors
 from slidetune.robot.study.draws import placed
-from slidetune.robot.study.outcome import Outcome
 from slidetune.robot.study.robustness import Draw, robustness, worst_case
 from slidetune.robot.study.sweep import Axis, AxisRange, Point, combination, sweep
 from slidetune.robot.study.tune import Trial, tune
@@ -176,19 +175,14 @@ class Study:
         return self.experiment.patched(combination(self.experiment, self.lane, names, entry.values))
 
     def read(self, texts: Iterable[str]) -> list[Entry]:
-        """Return entries from the JSON of their documents, many of them in little time."""
+        """Return entries from the JSON of what their ``document`` returned.
+
+        Raises:
+            msgspec.DecodeError: if one is none of this kind of study.
+        """
         model: Any = {"tune": Trial, "sweep": Point}.get(self.kind, Draw)
         read = msgspec.json.Decoder(model).decode
         return [read(text) for text in texts]
-
-    def entry(self, document: Mapping[str, Any]) -> Entry:
-        """Return an entry from what its ``document`` returned."""
-        told = {**document, "outcome": Outcome(**document["outcome"])}
-        if self.kind == "tune":
-            return Trial(**told)
-        if self.kind == "sweep":
-            return Point(**{**told, "values": tuple(told["values"])})
-        return Draw(**{**told, "share": tuple(told["share"])})
 
 
 def _trial(entry: Entry) -> Trial:

@@ -26,6 +26,7 @@ from slidetune.robot.study.tuning import Tuning
 from slidetune.server.compute.cluster import cluster_executor
 from slidetune.server.compute.cluster_task import ClusterError
 from slidetune.server.compute.executor import local_executor
+from slidetune.server.report.study_report import ratio_text
 from slidetune.server.report.warmup_bar import warm_up_with_bar
 
 Item = TypeVar("Item")
@@ -85,7 +86,7 @@ def search_with_bar(
                 made.append(trial)
                 best = best_of(made)
                 score = None if best is None else best.outcome.score
-                told = "" if score is None else f", best {score:.3g}"
+                told = "" if score is None else f", best {ratio_text(score, 3)}"
                 progress.update(task, completed=len(made), description=f"Searching{told}")
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)

@@ -24,6 +24,8 @@ from slidetune.server.report.run_report import NONE, figure_text, heading
 Document = dict[str, Any]
 
 _ENDED = FIGURES["diverged_at"]
+_MOST_DIGITS = 7
+"""Of a ratio; beyond these it is said in words (*ours*)."""
 
 
 def tuning_document(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]) -> Document:
@@ -82,6 +84,14 @@ def _number(value: float | None) -> str:
     return NONE if value is None else f"{value:.4g}"
 
 
+def ratio_text(ratio: float | None, digits: int = 4) -> str:
+    """Return a ratio to a bound, or a score; a missed bound never reads as one that is just met."""
+    if ratio is None:
+        return NONE
+    texts = (f"{ratio:.{count}g}" for count in range(digits, _MOST_DIGITS + 1))
+    return next((text for text in texts if ratio <= 1.0 or text != "1"), "> 1")
+
+
 def _table(*headings: str) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for index, text in enumerate(headings):
@@ -109,7 +119,7 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
     goals = _table("goal", "", "before", "after")
     for name, goal in experiment.goals.items():
         ratios = (one["outcome"]["ratios"][name] for one in (present, best))
-        _row(goals, f"{name}: {said(goal)}", goal.priority, *map(_number, ratios))
+        _row(goals, f"{name}: {said(goal)}", goal.priority, *map(ratio_text, ratios))
     console.print(goals)
     counts = " Ratios and figures are those of the draw that counts." if tuning["draws"] else ""
     console.print(Text(f"1 is just met; before is the lane as it is.{counts}"))
@@ -138,13 +148,13 @@ def print_robustness(experiment: Experiment, document: Document, console: Consol
         cells = (figure_text(FIGURES[name], found["figures"][name][label]) for label in QUANTILES)
         _row(table, heading(FIGURES[name]), *cells)
     for name, goal in experiment.goals.items():
-        cells = (_number(found["ratios"][name][label]) for label in QUANTILES)
+        cells = (ratio_text(found["ratios"][name][label]) for label in QUANTILES)
         _row(table, f"ratio of {name}: {said(goal)}", *cells)
     console.print(table)
     worst = document["worst_found"]
     if worst is not None:
         values = ", ".join(f"{name} {value:.4g}" for name, value in worst["values"].items())
-        score = _number(worst["outcome"]["score"])
+        score = ratio_text(worst["outcome"]["score"])
         console.print(Text(f"Worst found (no proof that there is none worse): {score} at {values}"))
 
 
@@ -158,7 +168,7 @@ def print_sweep(
     for point in points:
         one = point.outcome
         figures = (figure_text(FIGURES[name], one.figures[name]) for name in STUDIED)
-        ratios = (_number(ratio) for ratio in one.ratios.values())
+        ratios = map(ratio_text, one.ratios.values())
         state = "" if one.diverged_at is None else f"{_ENDED.title} {one.diverged_at:.3g} s"
         state = one.refused or state
         _row(table, *map(_number, point.values), *figures, *ratios, state)

@@ -176,25 +176,25 @@ def kept_studies_router(app_state: AppState) -> APIRouter:
         store.one(number)
         return {"first": first, "entries": store.entries(number, first, MOST_ENTRIES)}
 
+    def variant_of(number: int, place: int) -> tuple[Study, Experiment]:
+        study = _study(store.one(number))
+        found = study.read(store.texts(number, place, 1))
+        if not found:
+            raise UnknownStudyError(f"study {number} has no entry {place}")
+        return study, study.variant(found[0])
+
     @router.get("/{number:int}/entries/{place:int}/experiment", responses=VARIANT)
     def variant(number: Number, place: Place) -> dict[str, Any]:
         """The whole experiment that an entry is of: with its gains, its draw or its point."""
-        study = _study(store.one(number))
-        found = store.entries(number, place, 1)
-        if not found:
-            raise UnknownStudyError(f"study {number} has no entry {place}")
-        return study.variant(study.entry(found[0])).document()
+        _, other = variant_of(number, place)
+        return other.document()
 
     @router.post(
         "/{number:int}/entries/{place:int}/replay", response_model=Replayed, responses=VARIANT
     )
     def replay(number: Number, place: Place) -> dict[str, Any]:
         """Show an entry's run in 3D beside the nominal one, in real time, to the horizon."""
-        study = _study(store.one(number))
-        found = store.entries(number, place, 1)
-        if not found:
-            raise UnknownStudyError(f"study {number} has no entry {place}")
-        other = study.variant(study.entry(found[0]))
+        study, other = variant_of(number, place)
         color = app_state.colors.of(study.lane)
         app_state.view.show_replay(replay_of(study.experiment, other, study.lane, color))
         return {"seconds": study.experiment.simulation.horizon}

@@ -1,9 +1,9 @@
 """A dashboard in its own process, and a page in a real Chromium that tolerates no complaint.
 
-One dashboard for all modules, put back to its beginning for each test; one Chromium for every
-module (Playwright's event loop may not outlive it: other modules run their own); one page for all
-tests of a module, emptied for each. Its list of edits is what a dashboard doesn't forget: a test
-that wants none starts one of its own with `start_dashboard`.
+One dashboard for all modules, put back to its beginning for each test; one Chromium and one page
+for all tests of this folder that follow each other, emptied for each (Playwright's event loop may
+not outlive them: other tests run their own). Its list of edits is what a dashboard doesn't forget:
+a test that wants none starts one of its own with `start_dashboard`.
 """
 
 from __future__ import annotations
@@ -23,34 +23,27 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import (
-    Browser,
-    BrowserContext,
-    ConsoleMessage,
-    Page,
-    Playwright,
-    Request,
-    WebError,
-    expect,
-    sync_playwright,
-)
+from playwright.sync_api import BrowserContext, ConsoleMessage, Page, Request, WebError, expect
 from websockets.sync.client import connect
 
-from tests.browser.chromium import FLAGS, FLAT_FLAGS, VARIABLE, find
+from tests.browser.kept_chromium import KeptChromium
 from tests.browser.reused_context import ReusedContext
 
 ROOT = Path(__file__).resolve().parents[2]
 START_TIME = 240
 """Longest that a dashboard may take to start in seconds: the first one compiles every kernel."""
 ADDRESS = re.compile(r"http://\S+")
-SCENE = re.compile(r"http://[^/]+/scene/")
 SELECT = {"type": "select", "lane": "RBFNN-NFTSM"}
 VIEW = {"type": "view", "exaggeration": 1, "ghosts": True}
 """What a new dashboard shows."""
 LOGS = pytest.StashKey[list[Path]]()
 FAILED = pytest.StashKey[bool]()
+KEPT = pytest.StashKey[KeptChromium]()
 
-expect.set_options(timeout=15_000)
+PATIENCE = 60_000
+"""Longest wait of a page for what must come, in ms: no test that passes takes it."""
+
+expect.set_options(timeout=PATIENCE)
 
 
 @dataclass(frozen=True)
@@ -77,6 +70,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(Path(__file__).parent):
             item.add_marker(pytest.mark.browser)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(
+    item: pytest.Item, nextitem: pytest.Item | None
+) -> Generator[None, None, None]:
+    try:
+        return (yield)
+    finally:
+        here = Path(__file__).parent
+        if KEPT in item.config.stash and not (nextitem and nextitem.path.is_relative_to(here)):
+            item.config.stash[KEPT].close()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -207,35 +212,21 @@ def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> It
 
 
 @pytest.fixture(scope="module")
-def playwright() -> Iterator[Playwright]:
-    with sync_playwright() as playwright:
-        yield playwright
-
-
-@contextmanager
-def launched(playwright: Playwright, flags: tuple[str, ...]) -> Iterator[Browser]:
-    program = os.environ.get(VARIABLE) or find()
-    browser = playwright.chromium.launch(executable_path=program, args=list(flags))
-    yield browser
-    browser.close()
-
-
-@pytest.fixture(scope="module")
 def window() -> dict[str, Any]:
     """The size of the pages of a module, and whether they are touched."""
     return {"viewport": {"width": 1440, "height": 900}}
 
 
-@pytest.fixture(scope="module")
-def reused(playwright: Playwright, window: dict[str, Any]) -> Iterator[ReusedContext]:
-    with launched(playwright, FLAT_FLAGS) as browser:
-        yield ReusedContext(browser, window)
+@pytest.fixture(scope="session")
+def kept_chromium(pytestconfig: pytest.Config) -> Iterator[KeptChromium]:
+    kept = pytestconfig.stash.setdefault(KEPT, KeptChromium())
+    yield kept
+    kept.close()
 
 
 @pytest.fixture(scope="module")
-def webgl_chromium(playwright: Playwright) -> Iterator[Browser]:
-    with launched(playwright, FLAGS) as browser:
-        yield browser
+def reused(kept_chromium: KeptChromium, window: dict[str, Any]) -> ReusedContext:
+    return kept_chromium.reused(window)
 
 
 class Complaints:
@@ -289,17 +280,14 @@ def context(
     """
     marks = {mark.name for mark in request.node.iter_markers()}
     if "scene" in marks:
-        browser: Browser = request.getfixturevalue("webgl_chromium")
-        with browser.new_context(**window) as context:
+        kept: KeptChromium = request.getfixturevalue("kept_chromium")
+        with kept.webgl().new_context(**window) as context:
             yield context
         return
     reused: ReusedContext = request.getfixturevalue("reused")
     if "fresh" in marks:
         reused.close()
-    context = reused.open()
-    blank = "<!doctype html><title>no scene</title>"
-    context.route(SCENE, lambda r: r.fulfill(content_type="text/html", body=blank))
-    yield context
+    yield reused.open()
     if "fresh" in marks or request.node.stash.get(FAILED, False):
         reused.close()
     else:
@@ -320,6 +308,7 @@ def page(
 ) -> Iterator[Page]:
     """An empty page: open ``dashboard.url`` in it. A complaint of any page fails the test."""
     page = context.pages[0] if context.pages else context.new_page()
+    page.set_default_timeout(PATIENCE)
     yield page
     unexpected = complaints.unexpected()
     if unexpected or request.node.stash.get(FAILED, False):

@@ -1,7 +1,7 @@
 """A browser context that tests use one after another, put back to its beginning between them.
 
-A page that is loaded once more takes half the time of the first one: Chromium keeps its compiled
-code as long as the page lives.
+A page that is loaded once more takes a third of the time of the first one: Chromium keeps its
+files, and its compiled code as long as the page lives.
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import Browser, BrowserContext, Page
 
+from tests.browser.empty_scene import empty_scene
+
 EMPTY = "about:blank"
 
 
 class ReusedContext:
-    """One context of a browser with one page, as good as fresh for each test.
+    """One context of a browser with one page without the scene, as good as fresh for each test.
 
     What can't be taken back (an init script, a routed WebSocket) needs a context of its own;
     listeners stay, and hear the next test too.
@@ -31,7 +33,7 @@ class ReusedContext:
         """Return the context: it has one page, which is empty."""
         if self._context is None:
             self._context = self._browser.new_context(**self._options)
-            self._context.new_page()
+            empty_scene(self._context.new_page())
         return self._context
 
     def clean(self) -> None:

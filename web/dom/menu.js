@@ -90,6 +90,8 @@ function enabledItems(menu) {
  * @param {KeyboardEvent} event
  */
 function moved(menu, event) {
+  // It keeps the focus for a moment after it has closed: that key is the page's.
+  if (!menu.matches(':popover-open')) return;
   const items = enabledItems(menu);
   const at = items.findIndex((item) => item === document.activeElement);
   const letter = event.key.toLowerCase();

@@ -212,6 +212,8 @@ function download(name, text) {
  * @param {KeyboardEvent} event
  */
 function browsed(list, event) {
+  // It keeps the focus for a moment after it has closed: that key is the page's.
+  if (!list.matches(':popover-open')) return;
   const way = {ArrowDown: 1, ArrowUp: -1}[event.key];
   event.stopPropagation();
   if (!way) return;

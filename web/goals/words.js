@@ -2,7 +2,7 @@
 /** What can be bounded: its name, its unit on the screen, and whether it has joints. */
 
 import {FIGURES} from '../figures/figure.js';
-import {threeDigits} from '../figures/columns.js';
+import {inDigits} from '../figures/columns.js';
 import {withUnit} from '../fields/quantity.js';
 
 /**
@@ -20,6 +20,10 @@ import {withUnit} from '../fields/quantity.js';
  * @typedef {{id: string, kind: 'response'|'figure', name: string, title: string, unit: string,
  *   factor: number, joints: boolean}} Bounded `factor`: from the unit of the document to the one shown
  */
+
+const DIGITS = 3;
+/** Beyond these it is said in words; ours. */
+const MOST_DIGITS = 7;
 
 /** @type {Bounded[]} */
 const CHANNELS = [
@@ -82,7 +86,15 @@ function span(goal, horizon) {
   return start > 0 ? `, from ${withUnit(start, 's')}` : '';
 }
 
-/** @param {number|null|undefined} ratio value over bound */
+/**
+ * @param {number|null|undefined} ratio value over bound, or a score
+ * @returns {string} three digits, or as many as tell a missed bound from one that is just met
+ */
 export function ratioText(ratio) {
-  return ratio === null || ratio === undefined ? '–' : threeDigits(ratio);
+  const missed = typeof ratio === 'number' && ratio > 1;
+  for (let digits = DIGITS; digits <= MOST_DIGITS; digits += 1) {
+    const text = inDigits(ratio, digits);
+    if (!missed || text !== inDigits(1, digits)) return text;
+  }
+  return '> 1';
 }

@@ -43,6 +43,7 @@ export class ResponseMetrics {
   /** @type {Map<string, Row>} */ #rows = new Map();
   #until = element('span', {class: 'metrics-unit'});
   #built = '';
+  /** @type {HTMLButtonElement[]} */ #goalButtons = [];
   #setGoal;
   /** @type {Compared|null} */ #compared = null;
 
@@ -67,6 +68,10 @@ export class ResponseMetrics {
     const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name])]);
     if (built !== this.#built) this.#build(lanes, columns, shown);
     this.#built = built;
+    for (const button of this.#goalButtons) {
+      button.disabled = !current;
+      button.title = current ? 'Set a goal' : 'Set a goal: once there is a response';
+    }
     setText(this.#until, current ? ` 0 to ${current.horizon} s` : '');
     const merits = meritsOf(lanes, current, columns);
     for (const {name} of lanes) {
@@ -88,6 +93,7 @@ export class ResponseMetrics {
    */
   #build(lanes, columns, baselines) {
     this.#rows.clear();
+    this.#goalButtons = [];
     const bodies = lanes.map(({name, color}) => {
       const dot = element('span', {class: 'metrics-dot', 'aria-hidden': 'true'});
       dot.style.setProperty('--lane', color);
@@ -114,14 +120,16 @@ export class ResponseMetrics {
   #goalButton(column) {
     const {figure, of = 0, title} = column;
     if (!boundedFigure(figure.name) || isWatching()) return null;
-    return element('button', {
-      type: 'button', class: 'response-goal', title: 'Set a goal', 'aria-label': `Set a goal: ${title}`,
+    const button = element('button', {
+      type: 'button', class: 'response-goal', 'aria-label': `Set a goal: ${title}`,
       on: {click: () => {
         const {current = null, selected = ''} = this.#compared ?? {};
         const bound = valueOf(column, current?.lanes.get(selected) ?? null);
         this.#setGoal({figure: figure.name, joint: of, bound});
       }},
     }, icon('target'));
+    this.#goalButtons.push(button);
+    return button;
   }
 
   /**

@@ -11,6 +11,8 @@ import {usualRange} from './tunable.js';
 /** @typedef {{low: number, high: number, joints: string}} Range */
 
 const DIGITS = 4;
+const GREATEST = 'Of a gain with other values at other joints, From and To are those of the joint with the '
+  + 'greatest one; alike: the others keep their proportion to it.';
 
 /** One row a gain. */
 export class GainTable {
@@ -18,6 +20,7 @@ export class GainTable {
   // On a narrow screen it is no table to look at: its roles say that it is one.
   #body = element('tbody', {role: 'rowgroup'});
   /** @type {GainRow[]} */ #rows = [];
+  #greatest = element('p', {class: 'study-meaning study-greatest', hidden: true}, GREATEST);
   #changed;
   #built = '';
 
@@ -29,7 +32,7 @@ export class GainTable {
       element('table', {class: 'study-gains', role: 'table'},
         element('thead', {role: 'rowgroup'}, element('tr', {role: 'row'}, ...headings.map((text) => (
           element('th', {scope: 'col', role: 'columnheader'}, text)
-        )))), this.#body));
+        )))), this.#body), this.#greatest);
   }
 
   /**
@@ -46,6 +49,7 @@ export class GainTable {
       this.#body.replaceChildren(...this.#rows.map((row) => row.element));
     }
     this.#rows.forEach((row, index) => row.show(gains[index]));
+    this.#greatest.hidden = !gains.some(({value}) => Array.isArray(value) && new Set(value).size > 1);
   }
 
   /** @returns {{[gain: string]: Range}} of those that are ticked */

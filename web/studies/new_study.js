@@ -11,7 +11,7 @@ import {recall, remember} from '../screen/remembered.js';
 import {Axes} from './axes.js';
 import {FormField} from './form_field.js';
 import {GainTable} from './gain_table.js';
-import {lacks} from './readiness.js';
+import {lacks, risk} from './readiness.js';
 import {gainsOf, numbersOf} from './tunable.js';
 import {KINDS} from './words.js';
 
@@ -42,6 +42,7 @@ export class NewStudy {
   #axes = new Axes(() => this.#check());
   #does = element('p', {class: 'study-does'});
   #told = element('div', {class: 'study-fields'});
+  #risk = element('p', {class: 'study-risk', hidden: true});
   #missing = element('ul', {id: freshId('study-missing'), class: 'study-missing'});
   #alert = element('p', {class: 'control-alert', role: 'alert'});
   #submit = element('button', {
@@ -67,7 +68,7 @@ export class NewStudy {
     element('div', {class: 'study-field'}, element('label', {for: this.#lane.id}, 'Lane'), this.#lane),
     this.#told,
     element('div', {class: 'study-field'}, element('label', {for: this.#title.id}, 'Title'), this.#title),
-    this.#missing, this.#alert, element('div', {class: 'study-row'}, this.#submit));
+    this.#risk, this.#missing, this.#alert, element('div', {class: 'study-row'}, this.#submit));
     for (const type of ['hello', 'patch', 'connection']) api.addEventListener(type, () => this.refresh());
     api.addEventListener('select', () => { this.#follow(); this.refresh(); });
   }
@@ -158,6 +159,9 @@ export class NewStudy {
   #check() {
     const found = lacks(this.#kind, this.#api.experiment, this.#wanted);
     if (isWatching()) found.unshift({text: RUNS_ARE_THE_OWNERS, group: '', action: ''});
+    const warning = risk(this.#kind, this.#api.experiment);
+    this.#risk.hidden = !warning;
+    if (this.#risk.textContent !== warning) this.#risk.textContent = warning;
     const texts = JSON.stringify(found);
     if (this.#missing.dataset.texts !== texts) {
       this.#missing.dataset.texts = texts;

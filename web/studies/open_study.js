@@ -10,7 +10,7 @@ import {isWatching} from '../api/watch_only.js';
 import {SCHEMA} from '../api/schema_document.js';
 import {FieldNames} from '../fields/field_names.js';
 import {Schema} from '../fields/schema.js';
-import {threeDigits} from '../figures/columns.js';
+import {ratioText} from '../goals/words.js';
 import {RobustnessResult} from '../study_results/robustness.js';
 import {SweepResult} from '../study_results/sweep.js';
 import {WorstResult} from '../study_results/worst.js';
@@ -84,11 +84,10 @@ export class OpenStudy {
     const remove = act('Delete…', () => this.#remove());
     remove.hidden = isWatching();
     this.element = element('section', {class: 'study-open', 'aria-labelledby': id},
-      element('div', {class: 'study-row'}, element('button', {
-        class: 'button small', type: 'button', on: {click: leave},
-      }, icon('chevron'), 'All studies')),
-      element('header', {class: 'study-head'}, this.#title, this.#state,
-        element('span', {class: 'study-about'}, whenOf(summary))),
+      element('header', {class: 'study-head'}, element('button', {
+        class: 'button small study-back', type: 'button', on: {click: leave},
+      }, icon('chevron'), 'All studies'), this.#title, this.#state,
+      element('span', {class: 'study-about'}, whenOf(summary))),
       this.#bar, this.#words, this.#aloud, this.#lost, this.#alert,
       element('div', {class: 'study-row'}, this.#stop, this.#resume, remove, this.#files),
       this.#other, this.#result?.element);
@@ -128,7 +127,7 @@ export class OpenStudy {
     const {state, made, total, result} = summary;
     const best = result?.best?.outcome.score;
     const words = [progressWords(summary),
-      typeof best === 'number' && `best score ${threeDigits(best)}`];
+      typeof best === 'number' && `best score ${ratioText(best)}`];
     this.#state.textContent = state;
     this.#state.dataset.state = state;
     this.#bar.max = total;

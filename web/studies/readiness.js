@@ -14,6 +14,11 @@ const NOTHING_UNCERTAIN = {
   text: 'Give a quantity of Uncertainty a range first.', group: 'uncertainty', action: 'Open Uncertainty',
 };
 
+/** Figures that a lane which chatters can't keep small. */
+const CHATTER = new Set(['chattering', 'switches', 'high_frequency_torque']);
+const CHATTERS = 'No goal bounds chattering: gains that are found may chatter far more than the present '
+  + 'ones. The target beside chattering in Response makes what the lane has now a goal.';
+
 /**
  * @param {Kind} kind
  * @param {Document} experiment
@@ -34,6 +39,18 @@ export function lacks(kind, experiment, wanted) {
     found.push({text: 'Tick a gain to search.', group: '', action: ''});
   }
   return found;
+}
+
+/**
+ * What nothing forbids, though few want it.
+ *
+ * @param {Kind} kind
+ * @param {Document} experiment
+ * @returns {string} a warning, or ''
+ */
+export function risk(kind, {goals = {}}) {
+  const all = Object.values(goals);
+  return kind === 'tune' && all.length && !all.some(({figure}) => CHATTER.has(figure)) ? CHATTERS : '';
 }
 
 /** @param {Document} experiment */

@@ -4,6 +4,8 @@
 import {element} from '../dom/element.js';
 import {recall, remember} from '../screen/remembered.js';
 import {isUnderWay} from '../api/studies.js';
+import {takeBack} from '../study_search/comparison.js';
+import {triedStill} from '../study_search/tried_gains.js';
 import {NewStudy} from './new_study.js';
 import {OpenStudy} from './open_study.js';
 import {StudyList} from './study_list.js';
@@ -50,6 +52,10 @@ class Studies {
       this.#visible = contentRect.width > 0 && contentRect.height > 0;
       if (this.#visible && !before) this.#seen();
     }).observe(root);
+    api.addEventListener('hello', () => {
+      this.#tellTried();
+      if (this.#visible) this.#seen();
+    }, {once: true});
     api.addEventListener('connection', (event) => {
       if (!(/** @type {CustomEvent} */ (event).detail.connected) || !this.#begun) return;
       this.#open?.retry();
@@ -57,8 +63,27 @@ class Studies {
     });
   }
 
+  /** Say that the live lane has gains which were tried before the page was loaded anew. */
+  #tellTried() {
+    const tried = triedStill(this.#api.experiment);
+    if (!tried) return;
+    const {tell, tab} = this.#desk;
+    if (!this.#visible) tab.mark(true);
+    const takeAway = tell(`${tried.lane} has the gains of trial ${tried.origin.trial} still, which were tried as B.`, {action: {
+      label: 'Back to A',
+      run: () => takeBack(this.#api).catch((error) => tell(error.message, {error: true})),
+    }});
+    const over = new AbortController();
+    this.#api.addEventListener('patch', () => {
+      if (triedStill(this.#api.experiment)) return;
+      over.abort();
+      takeAway();
+    }, {signal: over.signal});
+  }
+
   /** It can be seen: nothing is asked for before. */
   async #seen() {
+    if (!this.#api.experiment.lanes) return; // the live experiment comes first
     this.#desk.tab.mark(false);
     this.#form.ask();
     const first = !this.#begun;

@@ -3,8 +3,8 @@
 
 import {element} from '../dom/element.js';
 import {isUnderWay, studyBands} from '../api/studies.js';
-import {figureHeading, figureNumber, threeDigits} from '../figures/columns.js';
-import {goalWords} from '../goals/words.js';
+import {figureHeading, figureNumber} from '../figures/columns.js';
+import {goalWords, ratioText} from '../goals/words.js';
 import {LensCard, choice, percent} from '../lenses/card.js';
 import {LensFigure} from '../lenses/figure.js';
 import {RESPONSE_VIEWS} from '../response/views.js';
@@ -105,7 +105,7 @@ export class RobustnessResult {
         QUANTILES.map(([key]) => ({text: figureNumber(figure, figures[figure.name][key]), tone: ''})))),
       ...Object.keys(goals).filter((name) => ratios[name]).map((name) => row(
         goalWords(goals[name], experiment.simulation.horizon), name, QUANTILES.map(([key]) => ({
-          text: threeDigits(ratios[name][key]), tone: classOf(goals[name], ratios[name][key]),
+          text: ratioText(ratios[name][key]), tone: classOf(goals[name], ratios[name][key]),
         })), goals[name].priority,
       )),
     ];

@@ -5,9 +5,11 @@ import {element, freshId} from '../dom/element.js';
 import {SCHEMA} from '../api/schema_document.js';
 import {isWatching} from '../api/watch_only.js';
 import {FieldNames} from '../fields/field_names.js';
+import {valueAt} from '../fields/merge_patch.js';
 import {written} from '../fields/quantity.js';
 import {Schema} from '../fields/schema.js';
-import {figureNumber, figureText, threeDigits} from '../figures/columns.js';
+import {figureNumber, figureText} from '../figures/columns.js';
+import {ratioText} from '../goals/words.js';
 import {LensCard} from '../lenses/card.js';
 import {LensFigure} from '../lenses/figure.js';
 import {goThere} from './go_there.js';
@@ -33,7 +35,7 @@ const FIGURE_MEASURES = STUDIED.map((figure) => ({
 /** @type {Measure} */
 const SCORE = {
   id: 'score', title: 'score', value: ({score}) => score,
-  words: ({score}) => `score ${threeDigits(score)}`,
+  words: ({score}) => `score ${ratioText(score)}`,
 };
 
 /** Shows points of a sweep. */
@@ -56,6 +58,8 @@ export class SweepResult {
   /** @type {Study|null} */ #study = null;
   /** @type {Point[]} */ #points = [];
   /** @type {Swept[]} */ #axes = [];
+  /** @type {number|null} the value that is marked */ #marked = null;
+  #listening = new AbortController();
 
   /**
    * @param {import('../api/api.js').Api} api
@@ -69,7 +73,12 @@ export class SweepResult {
     this.#card = new LensCard({title: 'Over the values', equation: '', words: ''},
       this.#which, this.#places, this.#chosen);
     this.element = element('div', {class: 'study-result', hidden: true}, this.#card.element);
+    const {signal} = this.#listening;
+    for (const type of ['hello', 'patch']) api.addEventListener(type, () => this.#mark(), {signal});
   }
+
+  /** The study is left. */
+  close() { this.#listening.abort(); }
 
   /**
    * @param {Study} study
@@ -93,8 +102,10 @@ export class SweepResult {
     this.#axes = axes.map(({field, values}, index) => ({
       ...this.#nameOf(study, field), values, log: Boolean(study.wanted.axes[index].logarithmic),
     }));
-    this.#card.words = isWatching() ? '' : `A click on a ${axes.length > 1 ? 'cell' : 'point'} goes there: the live `
+    const go = isWatching() ? '' : `A click on a ${axes.length > 1 ? 'cell' : 'point'} goes there: the live `
       + 'experiment gets these values, and undo takes them back.';
+    const now = axes.length > 1 ? '' : 'Dotted line: the value that the live experiment has.';
+    this.#card.words = [go, now].filter(Boolean).join(' ');
     const goals = Object.keys(study.experiment.goals ?? {}).length > 0;
     this.#measure.replaceChildren(...[...FIGURE_MEASURES, ...(goals ? [SCORE] : [])].map(({id, title}) => (
       element('option', {value: id}, title)
@@ -117,7 +128,13 @@ export class SweepResult {
     const path = field.includes('.') ? field.split('.') : ['lanes', lane, field];
     const {symbol, title, unit} = this.#names.of(path);
     const short = symbol && !symbol.includes('_') ? symbol : title;
-    return {short, unit, name: unit ? `${short} [${unit}]` : short};
+    return {short, unit, path, name: unit ? `${short} [${unit}]` : short};
+  }
+
+  /** Draw anew where the live experiment has another value than the one that is marked. */
+  #mark() {
+    const [along, up] = this.#axes;
+    if (along && !up && this.#now(along) !== this.#marked) this.#draw();
   }
 
   #draw() {
@@ -126,7 +143,9 @@ export class SweepResult {
     const measures = [...this.#measure.options].map(({value}) => (
       [...FIGURE_MEASURES, SCORE].find(({id}) => id === value) ?? SCORE
     ));
-    const map = this.#axes.length > 1;
+    const [along, up] = this.#axes;
+    const map = Boolean(up);
+    const now = this.#marked = map || !along ? null : this.#now(along);
     const shown = map ? measures.filter(({id}) => id === this.#measure.value) : measures;
     const figures = shown.map((measure) => {
       const id = map ? 'map' : measure.id;
@@ -137,9 +156,8 @@ export class SweepResult {
       }
       figure.element.dataset.panel = measure.id;
       const drawn = {title: measure.title, points: this.#points.map((point) => this.#shown(measure, point))};
-      const [along, up] = this.#axes;
       figure.draw(`${measure.title} over ${this.#axes.map(({name}) => name).join(' and ')}`, (colors) => (
-        map ? mapFigure(colors, [along, up], drawn) : curveFigure(colors, along, drawn, colorOf(this.#api, study, colors))
+        map ? mapFigure(colors, [along, up], drawn) : curveFigure(colors, along, drawn, colorOf(this.#api, study, colors), now)
       ));
       return figure.element;
     });
@@ -147,6 +165,17 @@ export class SweepResult {
       this.#places.replaceChildren(...figures);
     }
     this.#places.classList.toggle('is-map', map);
+  }
+
+  /**
+   * @param {Swept} axis
+   * @returns {number|null} what the live experiment has there; of the gains of six joints the greatest
+   */
+  #now({path}) {
+    const numbers = [valueAt(this.#api.experiment, path)].flat();
+    if (!numbers.every((one) => typeof one === 'number')) return null;
+    if (numbers.every((one) => one === numbers[0])) return numbers[0];
+    return path[0] === 'lanes' ? Math.max(...numbers.map(Math.abs)) : null;
   }
 
   /**

@@ -8,7 +8,8 @@ import {plain} from '../plots/figure.js';
 /** @typedef {import('../lenses/figure.js').Colors} Colors */
 /**
  * An axis: `name` is `short` with its unit.
- * @typedef {{name: string, short: string, unit: string, values: number[], log: boolean}} Swept
+ * @typedef {{name: string, short: string, unit: string, path: string[], values: number[],
+ *   log: boolean}} Swept
  */
 /**
  * What is drawn of each point: `value` on the screen's scale, null where there is none.
@@ -27,8 +28,9 @@ const CROSS = {symbol: 'x-thin', size: 9};
  * @param {Swept} swept
  * @param {Shown} shown
  * @param {string} color
+ * @param {number|null} now what the live experiment has, null where it has no such number
  */
-export function curveFigure(colors, {name, values, log}, {title, points}, color) {
+export function curveFigure(colors, {name, values, log}, {title, points}, color, now) {
   const made = values.slice(0, points.length);
   const gone = points.flatMap((point, place) => (point.gone ? [{point, place}] : []));
   return {
@@ -46,6 +48,10 @@ export function curveFigure(colors, {name, values, log}, {title, points}, color)
         hovertemplate: '%{text}<extra></extra>',
         marker: {...CROSS, color: colors.bad, line: {width: 2, color: colors.bad}},
       },
+      ...(now !== null && now >= values[0] && now <= values[values.length - 1] ? [{
+        type: 'scatter', mode: 'lines', uid: 'now', yaxis: 'y2', x: [now, now], y: [0, 1],
+        hoverinfo: 'skip', line: {color: colors.text, width: 1, dash: 'dot'},
+      }] : []),
     ],
     layout: {
       margin: MARGIN,

@@ -2,7 +2,7 @@
 /** The picture of the tries of a search for the worst, in their order. */
 
 import {axis, faint} from '../lenses/figure.js';
-import {threeDigits} from '../figures/columns.js';
+import {ratioText} from '../goals/words.js';
 import {failureOf} from './outcome_words.js';
 
 /** @typedef {import('../api/studies.js').Draw} Draw */
@@ -26,7 +26,7 @@ export function triesFigure(colors, draws, color) {
         type: 'scatter', mode: 'markers', uid: 'tries', x: ended.map(number),
         y: ended.map(({outcome}) => outcome.score),
         marker: {size: 6, color: ended.map(({outcome}) => (outcome.kept ? faint(color, 0.8) : colors.bad))},
-        text: ended.map((draw) => `try ${number(draw)}: ${threeDigits(draw.outcome.score)}`),
+        text: ended.map((draw) => `try ${number(draw)}: ${ratioText(draw.outcome.score)}`),
         hovertemplate: '%{text}<extra></extra>',
       },
       {

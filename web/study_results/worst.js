@@ -6,7 +6,7 @@ import {replayEntry} from '../api/studies.js';
 import {isWatching} from '../api/watch_only.js';
 import {withUnit} from '../fields/quantity.js';
 import {figureHeading, figureNumber, threeDigits} from '../figures/columns.js';
-import {goalWords} from '../goals/words.js';
+import {goalWords, ratioText} from '../goals/words.js';
 import {LensCard} from '../lenses/card.js';
 import {LensFigure} from '../lenses/figure.js';
 import {goThere} from './go_there.js';
@@ -108,7 +108,7 @@ export class WorstResult {
     const failure = failureOf(outcome);
     this.#found.facts = [
       {name: 'try', value: String(index + 1)},
-      ...(failure ? [] : [{name: 'score', value: threeDigits(outcome.score)}]),
+      ...(failure ? [] : [{name: 'score', value: ratioText(outcome.score)}]),
       ...(failure ? [] : [{name: 'hard goals', value: outcome.kept ? 'kept' : 'missed'}]),
     ];
     this.#found.finding = failure ? `There it ${failure}.` : '';
@@ -163,8 +163,8 @@ export class WorstResult {
     const ratios = Object.keys(goals).map((name) => {
       const own = nominal?.goals?.ratios[name];
       return row(goalWords(goals[name], experiment.simulation.horizon), name, [
-        {text: nominal ? threeDigits(own) : pending, tone: nominal ? classOf(goals[name], own) : ''},
-        {text: threeDigits(outcome.ratios[name]), tone: classOf(goals[name], outcome.ratios[name])},
+        {text: nominal ? ratioText(own) : pending, tone: nominal ? classOf(goals[name], own) : ''},
+        {text: ratioText(outcome.ratios[name]), tone: classOf(goals[name], outcome.ratios[name])},
       ]);
     });
     this.#body.replaceChildren(...figures, ...ratios);

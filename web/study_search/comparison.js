@@ -6,11 +6,26 @@
 
 import {acceptGains} from '../api/studies.js';
 import {difference, isObject, same} from '../fields/merge_patch.js';
+import {keepTried, triedStill} from './tried_gains.js';
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
+/** @typedef {import('./tried_gains.js').Origin} Origin */
 /** @typedef {'A'|'B'} Side the present gains, the candidate's */
 
 const CHANGED = 'The gains were changed by something else: the comparison has ended.';
+
+/**
+ * Take back the gains that were tried before the page was loaded anew.
+ *
+ * @param {import('../api/api.js').Api} api
+ * @throws {import('../api/api.js').ApiError} when the server refuses
+ */
+export async function takeBack(api) {
+  const tried = triedStill(api.experiment);
+  if (!tried) return;
+  await api.change(patchOf(tried.lane, tried.tried, tried.former));
+  keepTried(null);
+}
 
 /** Event `change`: another side is in force, or the comparison has ended; `ended` says why. */
 export class Comparison extends EventTarget {
@@ -22,6 +37,7 @@ export class Comparison extends EventTarget {
   /** @type {Document|null} the lane of side B */ #candidate = null;
   /** @type {Document|null} side A, once B was tried */ #former = null;
   /** @type {Document|null} side B as the server has it */ #tried = null;
+  /** @type {Origin} */ #origin = {study: 0, trial: 0};
   #busy = 0;
 
   /**
@@ -49,15 +65,19 @@ export class Comparison extends EventTarget {
   }
 
   /**
-   * Compare with another candidate; the former one's gains are taken back.
+   * Compare with another candidate; the former one's gains are taken back, those that were tried
+   * before the page was loaded anew as well.
    *
    * @param {string} lane
    * @param {Document|null} candidate the whole lane
+   * @param {Origin} origin
    */
-  async begin(lane, candidate) {
-    if (lane === this.#lane && same(candidate, this.#candidate)) return;
+  async begin(lane, candidate, origin) {
+    this.#goOn(lane);
+    if (lane === this.#lane && agrees(candidate, this.#candidate)) return;
     await this.to('A');
     this.#lane = lane;
+    this.#origin = origin;
     this.#candidate = candidate;
     this.#end('');
   }
@@ -70,6 +90,7 @@ export class Comparison extends EventTarget {
     const live = this.#live;
     if (side === this.side || !live || !this.#candidate) return;
     this.#busy += 1;
+    if (side === 'A') keepTried(null);
     try {
       await this.#history.commit();
       if (side === 'B') {
@@ -77,6 +98,9 @@ export class Comparison extends EventTarget {
         await this.#set(former, this.#candidate);
         this.#former = former;
         this.#tried = this.#live ?? null;
+        if (this.#tried) {
+          keepTried({lane: this.#lane, former, tried: this.#tried, origin: this.#origin});
+        }
       } else {
         await this.#set(live, /** @type {Document} */ (this.#former));
         this.#tried = null;
@@ -135,8 +159,25 @@ export class Comparison extends EventTarget {
     else this.dispatchEvent(new Event('change'));
   }
 
+  /**
+   * Go on with what was tried before the page was loaded anew.
+   *
+   * @param {string} lane
+   */
+  #goOn(lane) {
+    const kept = this.#tried ? null : triedStill(this.#api.experiment);
+    if (kept?.lane !== lane) return;
+    this.#lane = lane;
+    this.#candidate = kept.tried;
+    this.#former = kept.former;
+    this.#tried = kept.tried;
+    this.#origin = kept.origin;
+    this.dispatchEvent(new Event('change'));
+  }
+
   /** @param {string} why */
   #end(why) {
+    if (this.#tried) keepTried(null);
     this.#former = null;
     this.#tried = null;
     this.ended = why;

@@ -15,6 +15,7 @@ import {TrialPreview} from './trial_preview.js';
 import {TrialTable} from './trial_table.js';
 import {element, freshId} from '../dom/element.js';
 import {progressSheet} from './progress.js';
+import {triedStill} from './tried_gains.js';
 
 /** @typedef {import('../trials/trials.js').Study} Study */
 /** @typedef {import('../trials/trials.js').Trial} Trial */
@@ -28,12 +29,16 @@ const TABS = /** @type {{id: Tab, title: string}[]} */ ([
   {id: 'importance', title: 'Importance'},
 ]);
 
+const BEST = 'Best so far: of those that keep the hard goals, if any do.';
+const EDGE = 'What lies on the edge of the plot lies beyond it.';
+
 /** So many trials are made at once, and told together: as the server's search asks for them. */
 const BATCH = 8;
 
 /** The result of one search after another; `update` says which. */
 export class SearchResult {
   element;
+  #api;
   #names;
   #points;
   #compromises;
@@ -63,6 +68,7 @@ export class SearchResult {
   /** @type {Trial[]} */ #trials = [];
   #best = -1;
   /** @type {number|null} */ #chosen = null;
+  /** @type {number|null} tried before the page was loaded anew, and not heard of yet */ #awaited = null;
   /** @type {number|null} */ #focused = null;
 
   /**
@@ -70,6 +76,7 @@ export class SearchResult {
    * @param {import('../page/right_panel.js').Desk} desk
    */
   constructor(api, desk) {
+    this.#api = api;
     this.#names = new FieldNames(new Schema(SCHEMA), api);
     const on = {
       focus: (/** @type {number|null} */ number) => this.#focus(number),
@@ -93,7 +100,7 @@ export class SearchResult {
       element('div', {class: 'search-row search-pick'},
         element('label', {class: 'search-label', for: this.#slider.id}, 'Trial'), this.#slider,
         this.#follow),
-      this.#words, this.#actions.element, this.#preview.element, this.#table.element);
+      this.#words, this.#preview.element, this.#actions.element, this.#table.element);
     this.element = element('div', {class: 'search-result'}, this.#empty, this.#content);
     this.#show('progress');
   }
@@ -110,9 +117,14 @@ export class SearchResult {
     if (other) {
       this.#chosen = null;
       this.#focused = null;
+      this.#awaited = this.#triedIn(study);
       this.#compromises.begin(study);
       this.#parallel.begin();
       this.#preview.begin(study);
+    }
+    if (this.#awaited !== null && this.#awaited < entries.length) {
+      this.#chosen = this.#awaited;
+      this.#awaited = null;
     }
     this.#empty.hidden = entries.length > 0;
     this.#empty.textContent = noneYet(study);
@@ -124,6 +136,15 @@ export class SearchResult {
 
   /** The study is left. */
   close() { this.#actions.close(); }
+
+  /**
+   * @param {Study} study
+   * @returns {number|null} its trial whose gains the live lane was given before the page was loaded anew
+   */
+  #triedIn({id}) {
+    const origin = triedStill(this.#api.experiment)?.origin;
+    return origin?.study === id ? origin.trial : null;
+  }
 
   /** @returns {number|null} the trial that is spoken of: the chosen one, or else the best so far */
   get #kept() { return this.#chosen ?? (this.#best < 0 ? null : this.#best); }
@@ -183,22 +204,22 @@ export class SearchResult {
     const marks = [
       ...known.filter((fate) => fates.has(fate)).map((fate) => [fate, FATES[fate]]),
       ['present', 'gains before'],
-      ['best', fates.has('missed') ? 'best so far, of those that keep the hard goals if any do' : 'best so far'],
+      ['best', 'best so far'],
       ...(front ? [['front', 'no other beats it in every soft goal']] : []),
     ];
     const built = marks.join();
     if (this.#legend.dataset.built === built) return;
     this.#legend.dataset.built = built;
+    this.#legend.title = [fates.has('missed') ? BEST : '', EDGE].filter(Boolean).join(' ');
     this.#legend.replaceChildren(...marks.map(([mark, text]) => element('span', {},
-      element('i', {class: `search-mark is-${mark}`, 'aria-hidden': 'true'}), text)),
-    element('span', {}, 'on the edge: beyond it'));
+      element('i', {class: `search-mark is-${mark}`, 'aria-hidden': 'true'}), text)));
   }
 
   /** Bring up to date what is said of the trial that is looked at. */
   #look() {
     const study = this.#study;
     const present = this.#trials[0] ?? null;
-    if (!study || !present) return;
+    if (!study || !present || this.#awaited !== null) return;
     const kept = this.#trials[this.#kept ?? 0];
     const trial = this.#trials[this.#focused ?? kept.number];
     this.#preview.show(trial, present);

@@ -85,7 +85,9 @@ export class TrialActions {
     this.#explain('');
     this.#title.textContent = trial.number ? `Trial ${trial.number}` : 'Gains before';
     this.#file.setAttribute('href', studyFile(study.id, 'preset', trial.number));
-    this.#try(() => this.#comparison.begin(study.lane, laneOf(study, trial)));
+    this.#try(() => this.#comparison.begin(
+      study.lane, laneOf(study, trial), {study: study.id, trial: trial.number},
+    ));
   }
 
   /** The study is left: its trial’s gains go with it, unless they were accepted. */

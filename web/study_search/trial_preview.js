@@ -5,6 +5,7 @@ import {choice} from '../lenses/card.js';
 import {LensFigure, axis} from '../lenses/figure.js';
 import {decodedResponse} from '../api/preview_message.js';
 import {element} from '../dom/element.js';
+import {heightHere} from '../screen/low_screen.js';
 import {plain} from '../plots/figure.js';
 import {laneOf} from '../trials/trials.js';
 import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
@@ -13,7 +14,7 @@ import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 /** @typedef {import('../trials/trials.js').Study} Study */
 /** @typedef {import('../trials/trials.js').Trial} Trial */
 
-const HEIGHT = 210;
+const HEIGHT = heightHere(190, 110);
 /** A pointer that moves on sooner asks for nothing; in [ms], ours. */
 const REST_MS = 80;
 const KEPT = 60;
@@ -196,8 +197,8 @@ function figureOf(study, colors, curves, joint) {
         line: {color: colors.bad, width: 1.4, dash: hard ? 'solid' : 'dash'},
       })),
       showlegend: true,
-      legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', bgcolor: 'transparent'},
-      margin: {l: 66, r: 12, t: 24, b: 38},
+      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'top', bgcolor: colors.background},
+      margin: {l: 66, r: 12, t: 6, b: 34},
     },
   };
 }

@@ -11,6 +11,7 @@ import {drawLines, linesAt} from './parallel_lines.js';
 import {ParallelAxis} from './parallel_axes.js';
 import {PlotFrame, penOf} from './plot_frame.js';
 import {written} from '../fields/quantity.js';
+import {heightHere} from '../screen/low_screen.js';
 
 /** @typedef {import('./plot_frame.js').Room} Room */
 /** @typedef {import('./parallel_axes.js').Brush} Brush */
@@ -18,7 +19,7 @@ import {written} from '../fields/quantity.js';
 /** @typedef {import('./trials.js').Trial} Trial */
 /** @typedef {{left: number, gap: number, top: number, height: number}} Box of the axes, in pixels */
 
-const HEIGHT = 290;
+const HEIGHT = heightHere(290, 185);
 const MARGIN = {l: 40, r: 24, t: 30, b: 14};
 /** Narrower than this in pixels the axes' numbers run into each other. */
 const LEAST_GAP = 56;

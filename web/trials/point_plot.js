@@ -9,6 +9,7 @@ import {axis} from '../lenses/figure.js';
 import {element} from '../dom/element.js';
 import {PlotFrame, layoutIn, penOf} from './plot_frame.js';
 import {drawMark, drawPoint, drawSteps} from './point_marks.js';
+import {heightHere} from '../screen/low_screen.js';
 
 /** @typedef {import('./plot_frame.js').Room} Room */
 /** @typedef {import('./trials.js').Fate} Fate */
@@ -25,7 +26,7 @@ import {drawMark, drawPoint, drawSteps} from './point_marks.js';
  *   `key`: tells lines from others
  */
 
-const HEIGHT = 250;
+const HEIGHT = heightHere(250, 165);
 const MARGIN = {l: 62, r: 14, t: 12, b: 38};
 /** A finger covers more than a pointer; in pixels. */
 const NEAR = 14;

@@ -4,6 +4,7 @@
 import {joined} from '../fields/merge_patch.js';
 import {FIGURES} from '../figures/figure.js';
 import {threeDigits} from '../figures/columns.js';
+import {ratioText} from '../goals/words.js';
 
 /** @typedef {import('../api/studies.js').Study} Study */
 /** @typedef {import('../api/studies.js').Trial} Trial */
@@ -108,5 +109,5 @@ export function wordsOf(trial) {
   if (fate === 'diverged') {
     return `Trial ${number}: left its bounds at ${threeDigits(outcome.diverged_at)} s`;
   }
-  return `Trial ${number}: score ${threeDigits(outcome.score)}, ${FATES[fate]}`;
+  return `Trial ${number}: score ${ratioText(outcome.score)}, ${FATES[fate]}`;
 }

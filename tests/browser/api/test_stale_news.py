@@ -19,7 +19,7 @@ GAIN = "lanes.RBFNN-NFTSM.nu"
 
 
 def until(page: Page, done: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 15.0
+    deadline = time.monotonic() + 60.0
     while not done():
         assert time.monotonic() < deadline, "the server says no more"
         page.wait_for_timeout(50)

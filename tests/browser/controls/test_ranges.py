@@ -13,7 +13,7 @@ from tests.browser.lenses.test_lenses import experiment
 
 
 def until(dashboard: Dashboard, wanted: Any) -> None:
-    end = time.monotonic() + 15.0
+    end = time.monotonic() + 60.0
     while (now := experiment(dashboard)["uncertainty"]["payload"]) != wanted:
         assert time.monotonic() < end, f"payload stayed {now}"
         time.sleep(0.05)

@@ -22,7 +22,7 @@ CORNERS = """box => [...box.querySelectorAll('thead th:first-child, tbody:last-c
 
 
 def until_readable(page: Page) -> None:
-    deadline = time.monotonic() + 15.0
+    deadline = time.monotonic() + 60.0
     while not (len(found := page.evaluate(HEIGHTS)) == 3 and min(found) >= LEAST_PANEL - 1):
         assert time.monotonic() < deadline, found
         page.wait_for_timeout(50)

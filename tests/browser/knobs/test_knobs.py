@@ -165,7 +165,7 @@ def test_a_strip_s_runs_wait_while_its_slider_is_moved(dashboard: Dashboard, scr
 
 
 def until(page: Page, done: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 60.0
     while not done():
         assert time.monotonic() < deadline, what
         page.wait_for_timeout(20)

@@ -15,7 +15,7 @@ from slidetune.robot.loop.simulate import LaneRun, simulate
 from tests.browser.conftest import Dashboard
 
 LANE = "RBFNN-NFTSM"
-DEADLINE = 30.0
+DEADLINE = 60.0
 SHORT = {"simulation": {"horizon": 1.0}}
 
 
@@ -185,7 +185,7 @@ def test_points_of_the_curve_set_epsilon_by_mouse_and_by_key_and_undo(
     values = trace(page, "What smoothing costs", "curve")
     point = costs.locator(".lens-graph .scatterlayer .trace").first.locator(".point").last
     # What the undo changed is drawn anew and moves all below: who misses then aims once more.
-    hovered, deadline = costs.locator(".hoverlayer"), time.monotonic() + 30.0
+    hovered, deadline = costs.locator(".hoverlayer"), time.monotonic() + 60.0
     while experiment(dashboard)["lanes"]["sign"]["epsilon"] != 1.0:
         assert time.monotonic() < deadline, "no click sets what the point says"
         point.scroll_into_view_if_needed()

@@ -25,6 +25,19 @@ TITLE = "What the pencil says"
 CURVE = "Where it balances"
 LANE = "sign"
 LAG = {"robot": {"lag": 0.004, "lag_order": "second"}}
+# Half a second in which nothing changes passes when the test says so, however long a drag takes.
+HOLD = """() => {
+  const [wait, forget, held] = [window.setTimeout, window.clearTimeout, new Map()];
+  window.setTimeout = (act, time, ...given) => {
+    const id = wait(act, time === 500 ? 1e8 : time, ...given);
+    if (time === 500) held.set(id, act);
+    return id;
+  };
+  window.clearTimeout = (id) => { held.delete(id); forget(id); };
+  window.let_pass = () => {
+    for (const [id, act] of held) { window.clearTimeout(id); act(); }
+  };
+}"""
 
 
 def predicted(dashboard: Dashboard, lane: str = LANE) -> dict[str, object]:
@@ -124,18 +137,30 @@ def test_a_layer_for_each_joint_is_asked_for_as_soon_as_there_is_one(
 
 def test_a_drag_is_over_before_the_threshold_is_asked_for(page: Page, dashboard: Dashboard) -> None:
     dashboard.client.post("api/presets/chattering-sign/load").raise_for_status()
-    patch(dashboard, {"simulation": {"horizon": 1.0}, **LAG})
+    patch(dashboard, {"simulation": {"horizon": 1.0}, "lanes": {LANE: {"k1": 40.0}}, **LAG})
     page.goto(dashboard.url)
     expect(epsilon_of(page, LANE)[1]).to_contain_text("ε*")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
-    slider = page.locator(f'.control[data-path="lanes.{LANE}.k1"] .control-input > .slider')
+    control = page.locator(f'.control[data-path="lanes.{LANE}.k1"]')
+    slider, box = control.locator(".control-input > .slider"), control.locator(".number-box").first
+    page.evaluate(HOLD)
+    slider.focus()
+    for _ in range(10):
+        page.keyboard.press("ArrowRight")
+    expect(box).not_to_have_value("40")
+    until(dashboard, LANE, "k1", float(box.input_value()))
+    revision = dashboard.client.get("api/experiment").json()["revision"]
+    expect(page.locator("#header [data-revision]")).to_have_attribute(
+        "data-revision", str(revision)
+    )
+    assert [url for url in asked if "/api/threshold" in url] == []
     with page.expect_request("**/api/threshold"):
-        slider.focus()
-        for _ in range(10):
-            page.keyboard.press("ArrowRight")
+        page.evaluate("let_pass()")
     expect(epsilon_of(page, LANE)[1]).to_contain_text("ε*")
-    page.wait_for_timeout(800)
+    # Known now: nothing is left that would ask.
+    page.evaluate("let_pass()")
+    page.wait_for_timeout(200)
     assert len([url for url in asked if "/api/threshold" in url]) == 1
 
 

@@ -13,7 +13,7 @@ from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.metrics import measure_lane
 from tests.browser.conftest import Dashboard
 
-DEADLINE = 30.0
+DEADLINE = 60.0
 
 
 @pytest.fixture
@@ -212,7 +212,7 @@ def test_a_step_opens_its_lens_and_the_next_its_plots(
     at_step(page, 3)
     expect(page.get_by_role("heading", name="What the pencil says")).to_be_visible()
     table = page.get_by_role("region", name="Limit cycles of the joints")
-    expect(table.locator("tbody tr")).to_have_count(6, timeout=30_000)
+    expect(table.locator("tbody tr")).to_have_count(6, timeout=60_000)
     page.get_by_role("button", name="Next", exact=True).click()
     at_step(page, 4)
     expect(table).to_be_hidden()

@@ -38,7 +38,7 @@ def before(page: Page) -> list[str]:
 
 
 def until(page: Page, done: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 60.0
     while not done():
         assert time.monotonic() < deadline, "the curves are others"
         page.wait_for_timeout(50)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import socket
 import threading
 from collections.abc import Iterator
@@ -14,12 +13,13 @@ import uvicorn
 import viser
 from fastapi import FastAPI
 from fastapi.responses import HTMLResponse
-from playwright.sync_api import ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import ConsoleMessage, Page
 from starlette.types import ASGIApp
 
 from slidetune.server.guard.access import Access
 from slidetune.server.guard.access_policy import AccessPolicy, policy_for
 from slidetune.server.scene.relay import scene_router
+from tests.browser.kept_chromium import KeptChromium
 
 
 def quiet(app: ASGIApp) -> uvicorn.Config:
@@ -58,15 +58,9 @@ def scene() -> Iterator[viser.ViserServer]:
 
 
 @pytest.fixture
-def tab() -> Iterator[Page]:
-    executable = shutil.which("chromium") or shutil.which("google-chrome")
-    if executable is None:
-        pytest.skip("needs Chromium")
-    with sync_playwright() as playwright:
-        arguments = ["--no-sandbox", "--enable-unsafe-swiftshader"]
-        chromium = playwright.chromium.launch(executable_path=executable, args=arguments)
-        yield chromium.new_page()
-        chromium.close()
+def tab(kept_chromium: KeptChromium) -> Iterator[Page]:
+    with kept_chromium.webgl().new_context() as context:
+        yield context.new_page()
 
 
 def is_connected(message: ConsoleMessage) -> bool:

@@ -48,7 +48,7 @@ def revision(dashboard: Dashboard) -> int:
 
 
 def until_gain(dashboard: Dashboard, least: float, greatest: float) -> None:
-    deadline = time.monotonic() + 15.0
+    deadline = time.monotonic() + 60.0
     while not least < gain(dashboard) < greatest:
         assert time.monotonic() < deadline, gain(dashboard)
         time.sleep(0.05)
@@ -87,7 +87,7 @@ def swipe(page: Page, start: Point, end: Point) -> None:
 
 
 def until(page: Page, done: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 60.0
     while not done():
         assert time.monotonic() < deadline, what
         page.wait_for_timeout(50)

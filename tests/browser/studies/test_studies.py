@@ -106,6 +106,31 @@ def test_what_is_missing_is_said_and_mended(
     expect(begin).to_be_enabled()
 
 
+def test_a_search_without_a_bound_on_chattering_is_warned_of(
+    page: Page, dashboard: Dashboard
+) -> None:
+    prepare(dashboard, GOALS)
+    form = open_form(page, dashboard, "Auto-tune")
+    warning = form.get_by_text("No goal bounds chattering")
+    expect(warning).to_be_visible()
+    expect(form.get_by_role("button", name="Begin")).to_be_enabled()
+    quiet = {"kind": "figure", "figure": "chattering", "bound": 200}
+    prepare(dashboard, {"goals": {"quiet": quiet}})
+    expect(warning).to_be_hidden()
+
+
+def test_the_ranges_of_other_values_at_other_joints_are_those_of_the_greatest(
+    page: Page, dashboard: Dashboard
+) -> None:
+    prepare(dashboard, {"lanes": {LANE: {"k1": 80}}})
+    form = open_form(page, dashboard, "Auto-tune")
+    told = form.get_by_text("those of the joint with the greatest")
+    expect(told).to_be_hidden()
+    prepare(dashboard, {"lanes": {LANE: {"k1": [80, 80, 40, 8, 8, 8]}}})
+    expect(told).to_be_visible()
+    expect(form.get_by_label("Proportional reaching gain, to")).to_have_value("800")
+
+
 def test_a_search_has_every_acting_gain_from_a_tenth_to_ten_times(
     page: Page, dashboard: Dashboard
 ) -> None:
@@ -274,7 +299,7 @@ def test_a_server_that_is_lost_is_heard_again(
     view = open_view(page, dashboard)
     expect(view.locator(".study-lost")).to_contain_text(re.compile("can.t be (heard|followed)"))
     lost = False
-    expect(view.locator(".study-lost")).to_be_hidden(timeout=30_000)
+    expect(view.locator(".study-lost")).to_be_hidden(timeout=60_000)
     expect(view.locator(".study-words")).to_contain_text(re.compile(r"[1-9]\d* of 5000 trials"))
     view.get_by_role("button", name="Stop").click()
     expect(view.locator(".study-head .study-state")).to_have_text("stopped")

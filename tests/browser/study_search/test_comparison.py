@@ -18,6 +18,7 @@ from tests.browser.study_search.test_search_result import (
     part,
     undo_label,
     until_gains,
+    until_label,
 )
 
 NUMBER = 5
@@ -82,7 +83,7 @@ def test_accept_is_one_edit_that_undo_takes_back(
         f"{LANE} has the gains of trial {NUMBER}. For 10 s"
     )
     until_gains(dashboard, gains_of(study, NUMBER))
-    assert undo_label(page) == f"accepted gains of {LANE}"
+    until_label(page, f"accepted gains of {LANE}")
     expect(part(page).get_by_role("button", name="Accept")).to_be_disabled()
     page.evaluate("harness.history.undo()")
     until_gains(dashboard, before)

@@ -1,4 +1,4 @@
-"""How much each gain counted: the figures of Optuna's evaluator and of SciPy, in little time."""
+"""How much each gain counted, and which way: as Optuna and SciPy tell it one by one."""
 
 from __future__ import annotations
 

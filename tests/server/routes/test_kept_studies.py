@@ -114,7 +114,7 @@ def test_thousands_of_trials_are_summed_up_as_they_are(served: Served) -> None:
     store.append(number, 2, [(one, None) for one in documents])
     found = study(served, number)
     whole = Study.from_document("tune", experiment, found["wanted"])
-    entries = [whole.entry(one) for one in store.entries(number)]
+    entries = whole.read(store.texts(number))
     assert len(entries) == found["made"] == 3000
     assert found["result"] == json.loads(json.dumps(result_of(whole, entries)))
     best = min(entries, key=lambda one: one.outcome.cost)
