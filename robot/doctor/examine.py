@@ -11,7 +11,7 @@ import numpy as np
 from slidetune.robot.arm.serial import SerialArm
 from slidetune.robot.doctor.chain import chain_to
 from slidetune.robot.doctor.inertials import Masses, check_each
-from slidetune.robot.doctor.limits import check_lengths, checked_limits, unit_axis
+from slidetune.robot.doctor.limits import check_lengths, check_losses, checked_limits, unit_axis
 from slidetune.robot.doctor.meshes.drawing import Drawing, visuals_of
 from slidetune.robot.doctor.meshes.files import MeshFiles
 from slidetune.robot.doctor.meshes.shape import MeshReader
@@ -95,6 +95,10 @@ def examine(
         text = f"the robot has no name; it is called {written(name)} like the file"
         findings.assume("robot", root.line, text, 'give it one: <robot name="…">')
     description = read_description(root, findings)
+    for folder in package_dirs:
+        if not folder.is_dir():
+            text = f"{written(str(folder))} is no folder"
+            findings.note("package folder", None, text, "give the folder that holds the package")
     meshes = Meshes(MeshFiles(path, package_dirs), MeshReader())
     arm = _arm(description, meshes, tip, total_mass, findings)
     return Examined(name, findings.ordered(), None if findings.refused else arm)
@@ -125,6 +129,8 @@ def _arm(
         check_lengths(joint, findings)
     axes = {joint.name: unit_axis(joint, findings) for joint in chain}
     limits = [checked_limits(joint, findings) for joint in chain]
+    for joint in chain:
+        check_losses(joint, findings)
     if layout is None:
         check_each(description, findings)
         Drawing(description, 0.0, meshes, measure=False).parts(findings)

@@ -115,7 +115,7 @@ class Masses:
         for name in self._moving():
             link = self._links[name]
             mass = self.inertials[name].mass if name in self.inertials else 0.0
-            if mass == 0.0 and name not in massless and (link.visuals or link.collisions):
+            if mass == 0.0 and name not in massless and link.visuals:
                 text = "it has a shape and no mass; it weighs nothing"
                 remedy = "nothing to do if its mass is in the link that it is fixed to"
                 findings.note(link_named(name), link.line, text, remedy)

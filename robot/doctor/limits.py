@@ -114,6 +114,20 @@ def _check_degrees(joint: Joint, lower: float, upper: float, findings: Findings)
         findings.note(joint_named(joint.name), joint.limit.line, text, remedy)
 
 
+def check_losses(joint: Joint, findings: Findings) -> None:
+    """Say which losses of the file are no part of the model."""
+    damping, friction, line = joint.losses
+    if damping or friction:
+        slides = joint.kind == "prismatic"
+        rate, force = ("N·s/m", "N") if slides else ("N·m·s/rad", "N·m")
+        text = (
+            f"its damping of {figure(damping)} {rate} and friction of {figure(friction)} {force} "
+            "are no part of the model"
+        )
+        remedy = "enter them as the experiment's friction if they are to act"
+        findings.note(joint_named(joint.name), line, text, remedy)
+
+
 def check_lengths(joint: Joint, findings: Findings) -> None:
     """Say where a joint is so far from the one before that it looks like millimetres."""
     length = float(np.linalg.norm(joint.pose.xyz))

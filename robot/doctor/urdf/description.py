@@ -105,6 +105,7 @@ class Joint:
         axis_line: of that element, or of the joint.
         limit: what the file has; its line is the joint's where the element is missing.
         mimic: the joint that it follows, with the line of that element.
+        losses: damping and friction of ``dynamics``, with the line of that element.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Joint:
     axis_line: int
     limit: Limit
     mimic: tuple[str, int] | None
+    losses: tuple[float, float, int]
 
     @property
     def free(self) -> bool:

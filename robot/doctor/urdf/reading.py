@@ -70,6 +70,15 @@ def _named(elements: Iterable[Element], tag: str, findings: Findings) -> dict[st
     return found
 
 
+def _check_once(element: Element, tags: Iterable[str], where: str, findings: Findings) -> None:
+    """Say which elements are there more than once."""
+    for tag in tags:
+        found = element.all(tag)
+        if len(found) > 1:
+            text = f"<{tag}> is there {len(found)} times in <{element.tag}>; the first counts"
+            findings.assume(where, found[1].line, text, "remove the others")
+
+
 def _color(material: Element | None) -> Color | None:
     color = material.first("color") if material is not None else None
     if color is None:
@@ -92,6 +101,7 @@ def _colors(root: Element) -> dict[str, Color]:
 
 
 def _link(name: str, element: Element, colors: dict[str, Color], findings: Findings) -> Link:
+    _check_once(element, ("inertial",), link_named(name), findings)
     shapes = {
         tag: [_shape(part, name, colors, findings) for part in element.all(tag)]
         for tag in ("visual", "collision")
@@ -107,7 +117,11 @@ def _inertial(element: Element | None, link: str, findings: Findings) -> Inertia
     if element is None:
         return None
     where = link_named(link)
+    _check_once(element, ("origin", "mass", "inertia"), where, findings)
     mass, inertia = element.first("mass"), element.first("inertia")
+    if mass is None or "value" not in mass.attributes:
+        text = "<inertial> has no mass in kg; taken as 0"
+        findings.assume(where, element.line, text, 'write it: <mass value="…"/>')
     value = number(mass, "value", where, findings, "kg") if mass is not None else None
     found = {
         key: number(inertia, key, where, findings, "kg·m²") if inertia is not None else None
@@ -194,6 +208,8 @@ def _joint(name: str, element: Element, links: dict[str, Link], findings: Findin
         return None
     if parent is None or child is None:
         return None
+    once = ("origin", "parent", "child", "axis", "limit", "mimic", "dynamics")
+    _check_once(element, once, where, findings)
     axis, mimic = element.first("axis"), element.first("mimic")
     return Joint(
         name,
@@ -206,7 +222,18 @@ def _joint(name: str, element: Element, links: dict[str, Link], findings: Findin
         axis.line if axis is not None else element.line,
         _limit(element, where, findings),
         (mimic.attributes.get("joint", ""), mimic.line) if mimic is not None else None,
+        _losses(element, where, findings),
     )
+
+
+def _losses(element: Element, where: str, findings: Findings) -> tuple[float, float, int]:
+    dynamics = element.first("dynamics")
+    if dynamics is None:
+        return 0.0, 0.0, element.line
+    damping, friction = (
+        number(dynamics, key, where, findings) or 0.0 for key in ("damping", "friction")
+    )
+    return damping, friction, dynamics.line
 
 
 def _limit(element: Element, where: str, findings: Findings) -> Limit:

@@ -208,12 +208,27 @@ ASSUMED = {
         changed('<robot name="two">', f"<robot>{HERE}"),
         "robot", "the robot has no name; it is called arm like the file",
     ),
+    "no mass": (
+        changed(
+            '<link name="tool"/>',
+            f'{HERE}<link name="tool"><inertial>{UPPER_INERTIA}</inertial></link>',
+        ),
+        "link tool", "<inertial> has no mass in kg; taken as 0",
+    ),
+    "limits twice": (
+        changed(SHOULDER_LIMIT, f'{SHOULDER_LIMIT}\n{HERE}<limit lower="-1" upper="1"/>'),
+        "joint shoulder", "<limit> is there 2 times in <joint>; the first counts",
+    ),
     "half an inertia": (
         changed(UPPER_INERTIA, f'{HERE}<inertia ixx="0.03" iyy="0.03" izz="0.004"/>'),
         "link upper", "<inertia> has no ixy, ixz, iyz in kg·m²; taken as 0",
     ),
 }  # fmt: skip
 NOTED = {
+    "losses": (
+        changed(SHOULDER_LIMIT, f'{SHOULDER_LIMIT}\n{HERE}<dynamics damping="0.5" friction="2"/>'),
+        "joint shoulder", "its damping of 0.5 N·m·s/rad and friction of 2 N·m are no part",
+    ),
     "degrees": (
         changed(SHOULDER_LIMIT, f'{HERE}<limit lower="-170" upper="90" velocity="3" effort="5"/>'),
         "joint shoulder", "whole numbers beyond 12.5664 rad look like degrees",
