@@ -15,6 +15,10 @@ from slidetune.robot.fields.written_value import written
 
 _STATES = 4
 """Places at which the mass matrix is looked at (*ours*)."""
+_SINGULAR = 1e-12
+"""Part of its largest eigenvalue that M's smallest must have (*ours*): below it, doubles invert
+M to no digit that means anything.
+"""
 _FLAT = 1e-12
 """Part of the largest moment that the smallest one of a body must have (*ours*)."""
 
@@ -138,7 +142,8 @@ def moves_like_bodies(model: pin.Model, chain: Sequence[Joint], findings: Findin
     for q in places.uniform(-1.0, 1.0, (_STATES if sound else 0, model.nq)):
         upper = np.triu(pin.crba(model, data, q))
         whole = upper + np.triu(upper, 1).T
-        if not np.isfinite(whole).all() or np.linalg.eigvalsh(whole)[0] <= 0.0:
+        values = np.linalg.eigvalsh(whole) if np.isfinite(whole).all() else np.zeros(1)
+        if values[0] <= _SINGULAR * values[-1]:
             text = "the mass matrix isn't positive definite: no finite torque moves the arm"
             remedy = "look for masses, inertias or lengths that are many orders apart"
             findings.refuse("robot", None, text, remedy)
