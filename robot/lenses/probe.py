@@ -24,7 +24,7 @@ from slidetune.robot.kernels.workspace import (
     S,
     V,
 )
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.motion.trajectory import QUINTIC
 
@@ -39,7 +39,7 @@ class Probe:
 
     def __init__(self, packed: Packed, name: str) -> None:
         """Bind the law of the lane ``name``."""
-        law = LAWS[packed.experiment.lanes[name].law]
+        law = law_of(packed.experiment.lanes[name])
         self._environment = packed.environment.copy()
         self._environment[SENSOR, :2] = 0.0
         self._work = np.zeros((WORK_ROWS, JOINTS))

@@ -11,15 +11,24 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.integrator.cutting import LOOSENESS
 from slidetune.robot.integrator.horizon import STAGE, STOPPED, run_continuous, run_sampled
 from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
+from slidetune.robot.integrator.law_call import compiled_advance, compiled_law
 from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
 from slidetune.robot.kernels.by_address import address_of
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
+from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.steps import measures_apart
 
 Array = np.ndarray
 Rows = Callable[[Array, Array], int]
 """``make(rows, stop)``: makes the rows from ``rows[0]`` to ``rows[1]``; see ``run_continuous``."""
+
+
+def load_law(law: Law) -> None:
+    """Compile or load what lanes will call of a law, away from the thread that steps them."""
+    compiled_law(law.control)
+    if law.advance is not None:
+        compiled_advance(law.advance)
 
 
 def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
@@ -32,7 +41,7 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
     if packed.chain is None or not packed.compiled:
         return None
     simulation, gains = packed.experiment.simulation, packed.experiment.lanes[lane.name]
-    law = LAWS[gains.law].used_by(gains)
+    law = law_of(gains).used_by(gains)
     sampled = simulation.mode == "sampled"
     truth = nominal = chain_of(packed.chain)
     if measures_apart(law, packed) if sampled else law.model_based and packed.nominal is not None:
