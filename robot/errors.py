@@ -55,6 +55,17 @@ class InvalidExperimentError(SlidetuneError, ValueError):
         return type(self), (self.fields,), {"args": self.args}
 
 
+class LawChangedError(SlidetuneError):
+    """The file of a law was read again while something went on with the version before."""
+
+    def __init__(self, lane: str, law: str) -> None:
+        """Make the text."""
+        super().__init__(
+            f"the file of {law}, the law of {lane}, was read again meanwhile: begin anew with the "
+            "present version"
+        )
+
+
 class PresetSyntaxError(InvalidExperimentError):
     """A preset's text that isn't a plain YAML mapping within the size limits."""
 

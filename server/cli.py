@@ -12,11 +12,13 @@ from rich.text import Text
 from slidetune.server.cli_options import (
     CsvOption,
     JsonOption,
+    LawOption,
     PageOption,
     PresetArgument,
     PresetOption,
     console,
     output,
+    take_laws,
 )
 from slidetune.server.fit_command import fit
 from slidetune.server.study_commands import robustness, sweep, tune
@@ -72,6 +74,7 @@ def serve(
     scheduler: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Cluster that makes the runs of studies (Dask).")
     ] = "",
+    law: LawOption = None,
 ) -> None:
     """Serve the dashboard.
 
@@ -80,13 +83,16 @@ def serve(
     """
     from slidetune.robot.experiment.preset_name import is_preset_name
     from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.law_files.law_files import LawFiles
     from slidetune.server.report.warmup_bar import warm_up_with_bar
     from slidetune.server.serve import serve as serve_dashboard
 
+    law_files = LawFiles(law or [])
+    law_files.take(apart=True)
     experiment = load_preset(preset)
     warm_up_with_bar(console)
     name = preset if is_preset_name(preset) else ""
-    serve_dashboard(experiment, name, host, port, browser, token, scheduler)
+    serve_dashboard(experiment, name, host, port, browser, token, scheduler, law_files)
 
 
 @cli.command()
@@ -98,6 +104,7 @@ def run(
     json: JsonOption = "",
     csv: CsvOption = "",
     html: PageOption = "",
+    law: LawOption = None,
 ) -> None:
     """Run an experiment over its horizon and print the figures of every lane.
 
@@ -110,6 +117,7 @@ def run(
     from slidetune.server.report.run_figures import run_page
     from slidetune.server.report.run_report import json_text, print_report, report
 
+    take_laws(law)
     experiment = load_preset(preset)
     horizon = experiment.simulation.horizon
     if not since < horizon:

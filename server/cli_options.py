@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
 PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
+LawOption = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--law",
+        metavar="FILE",
+        help="A law of your own, in Python; it is run as a program. May be given several times.",
+    ),
+]
 PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML file.")]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE", help="Write JSON; - for standard output.")
@@ -20,6 +29,18 @@ PageOption = Annotated[
 ]
 
 console = Console(stderr=True, highlight=False)
+
+
+def take_laws(paths: list[Path] | None) -> None:
+    """Add the laws of the files that the command line names.
+
+    Raises:
+        LawFileError: if one of them can't be used.
+    """
+    if paths:
+        from slidetune.server.law_files.law_files import LawFiles
+
+        LawFiles(paths).take()
 
 
 def output() -> Console:

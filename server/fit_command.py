@@ -6,7 +6,14 @@ from typing import Annotated
 
 import typer
 
-from slidetune.server.cli_options import JsonOption, PresetArgument, console, output
+from slidetune.server.cli_options import (
+    JsonOption,
+    LawOption,
+    PresetArgument,
+    console,
+    output,
+    take_laws,
+)
 
 
 def fit(
@@ -25,6 +32,7 @@ def fit(
         str, typer.Option(metavar="FILE", help="Write the experiment that fits best as YAML.")
     ] = "",
     json: JsonOption = "",
+    law: LawOption = None,
 ) -> None:
     """Find which unknown numbers of an experiment bring its figures closest to published ones.
 
@@ -38,6 +46,7 @@ def fit(
     from slidetune.server.report.run_report import json_text
     from slidetune.server.report.study_file import wanted_fitting
 
+    take_laws(law)
     experiment = load_preset(preset)
     wanted = wanted_fitting(study, trials)
     check_outputs(json, out)

@@ -17,6 +17,7 @@ from slidetune.server.hosting.allocator import map_large_blocks_apart
 from slidetune.server.hosting.open_browser import open_browser, private_way
 from slidetune.server.hosting.raw_http import RawHttp
 from slidetune.server.hosting.raw_websocket import RawWebSocket, leave_foreign_text_out_of_the_log
+from slidetune.server.law_files.law_files import LawFiles
 from slidetune.server.state.app_state import AppState
 
 PORTS = 20
@@ -107,6 +108,7 @@ def serve(
     browser: bool,
     token: bool = False,
     scheduler: str = "",
+    law_files: LawFiles | None = None,
 ) -> None:
     """Serve the dashboard until it is interrupted.
 
@@ -118,6 +120,7 @@ def serve(
         browser: whether to open a browser.
         token: whether to ask for a token on loopback too.
         scheduler: address of the cluster that makes the runs of studies; this machine without.
+        law_files: files of laws of one's own, whose laws have been taken.
 
     Raises:
         OSError: if no port is free.
@@ -128,6 +131,7 @@ def serve(
         if port not in (0, actual):
             console.print(f"Port {port} is taken: using {actual}.")
         policy = policy_for(host, actual, token)
-        config = server_config(create_app(AppState(experiment, preset, scheduler), policy))
+        app_state = AppState(experiment, preset, scheduler, law_files)
+        config = server_config(create_app(app_state, policy))
         leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

@@ -8,7 +8,15 @@ from typing import Annotated
 
 import typer
 
-from slidetune.server.cli_options import CsvOption, JsonOption, PresetArgument, console, output
+from slidetune.server.cli_options import (
+    CsvOption,
+    JsonOption,
+    LawOption,
+    PresetArgument,
+    console,
+    output,
+    take_laws,
+)
 
 # Everything that is slow to import waits for the command that needs it.
 
@@ -67,6 +75,7 @@ def tune(
         str, typer.Option(metavar="FILE", help="Write the experiment with the best gains as YAML.")
     ] = "",
     json: JsonOption = "",
+    law: LawOption = None,
 ) -> None:
     """Search for the gains of a lane that keep to the experiment's goals.
 
@@ -82,6 +91,7 @@ def tune(
     from slidetune.server.report.study_file import wanted_tuning
     from slidetune.server.report.study_report import print_tuning, tuning_document
 
+    take_laws(law)
     experiment = load_preset(preset)
     given = {
         "lane": lane or None,
@@ -119,6 +129,7 @@ def robustness(
     workers: WorkersOption = 0,
     scheduler: SchedulerOption = "",
     json: JsonOption = "",
+    law: LawOption = None,
 ) -> None:
     """Run a lane at many draws of what the experiment calls uncertain.
 
@@ -131,6 +142,7 @@ def robustness(
     from slidetune.server.report.study_bar import draws_with_bar
     from slidetune.server.report.study_report import print_robustness, robustness_document
 
+    take_laws(law)
     experiment = load_preset(preset)
     name = lane or next(iter(experiment.lanes))
     check_outputs(json)
@@ -159,6 +171,7 @@ def sweep(
     scheduler: SchedulerOption = "",
     csv: CsvOption = "",
     json: JsonOption = "",
+    law: LawOption = None,
 ) -> None:
     """Run a lane at every combination of the values of one or two fields.
 
@@ -171,6 +184,7 @@ def sweep(
     from slidetune.server.report.study_file import wanted_axes
     from slidetune.server.report.study_report import print_sweep, sweep_document, sweep_lines
 
+    take_laws(law)
     experiment, found = load_preset(preset), wanted_axes(axes)
     name = lane or next(iter(experiment.lanes))
     check_outputs(csv, json)

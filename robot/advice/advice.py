@@ -17,6 +17,7 @@ from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
+from slidetune.robot.laws import SHIPPED
 from slidetune.robot.laws.terms.network import NetworkGains
 from slidetune.robot.margins.margin import is_stable
 
@@ -45,7 +46,7 @@ def _convergence(packed: Packed, name: str) -> Iterator[Advice]:
         field, symbol, unit = "lambda_", "λ", "1/s"
         formula = decays.format("1/λ")
         constant, nearest = np.max(np.divide(1.0, lane.lambda_)), wanted
-    elif np.all(np.multiply(lane.kd, horizon) > 4.0 * _DECAYS):
+    elif lane.law in SHIPPED and np.all(np.multiply(lane.kd, horizon) > 4.0 * _DECAYS):
         field, symbol, unit, formula = (
             "kp",
             "k_p",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.margins.layer import layer_of
 from slidetune.robot.margins.margin import is_stable, with_lane
 
@@ -38,7 +38,7 @@ def implicit_switching(packed: Packed, name: str) -> ImplicitSwitching | None:
         name: the lane.
     """
     lane = packed.experiment.lanes[name]
-    if packed.experiment.simulation.mode != "sampled" or not LAWS[lane.law].model_based:
+    if packed.experiment.simulation.mode != "sampled" or not law_of(lane).model_based:
         return None
     present = getattr(lane, "switching", "implicit")
     if present == "implicit" or lane.reaching == "power" or not np.any(lane.k2):

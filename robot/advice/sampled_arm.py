@@ -20,6 +20,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.experiment.presets import SHIPPED_FOLDER, read_preset
+from slidetune.robot.laws import own_versions
 from slidetune.robot.margins.margin import Margin, loop_radius
 
 PRESET = "realistic"
@@ -53,11 +54,12 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
     """
     if packed.experiment.simulation.mode != "sampled":
         return None
-    return _offer(packed.experiment.model_dump_json())
+    versions = tuple(own_versions(packed.experiment.lanes).items())
+    return _offer(packed.experiment.model_dump_json(), versions)
 
 
 @lru_cache(maxsize=8)
-def _offer(text: str) -> SampledArm | None:
+def _offer(text: str, _: tuple[tuple[str, str], ...]) -> SampledArm | None:
     experiment = Experiment.model_validate_json(text)
     try:
         source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")

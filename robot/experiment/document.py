@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from functools import reduce
-from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, ValidationError
@@ -13,14 +11,15 @@ from pydantic import AfterValidator, Field, ValidationError
 from slidetune.robot.arm.known import SHIPPED, KnownArm, known_arms
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
-from slidetune.robot.errors import InvalidExperimentError, unknown_lane
+from slidetune.robot.errors import InvalidExperimentError, LawChangedError, unknown_lane
 from slidetune.robot.experiment.merge_patch import merge_patch
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import Section
 from slidetune.robot.fields.refusal import field_errors
 from slidetune.robot.goals.section import MOST_GOALS, AnyGoal
 from slidetune.robot.goals.uncertainty import Uncertainty
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import LAWS, law_of
+from slidetune.robot.laws.any_lane import AnyLane
 from slidetune.robot.motion.trajectory import SineTrajectory, Trajectory
 
 FORMAT = 1
@@ -58,7 +57,7 @@ GoalName = Annotated[str, AfterValidator(_goal_name)]
 if TYPE_CHECKING:
     Lane = Any  # any of the laws' gains: which ones there are is known when the program runs
 else:
-    Lane = Annotated[reduce(or_, [law.lane for law in LAWS.values()]), Field(discriminator="law")]
+    Lane = AnyLane
 
 
 def _arm_of(document: Mapping[str, Any]) -> KnownArm:
@@ -166,5 +165,10 @@ class Experiment(Section):
 
         Raises:
             InvalidExperimentError: naming every refused field; nothing is changed.
+            LawChangedError: if the file of a lane's law was read again since: its gains would
+                become those of another version.
         """
+        for name, lane in self.lanes.items():
+            if law_of(lane) is not LAWS[lane.law]:
+                raise LawChangedError(name, lane.law)
         return Experiment.from_document(merge_patch(self.document(), patch))

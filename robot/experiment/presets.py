@@ -32,6 +32,7 @@ from slidetune.robot.experiment.preset_name import (
     refused_name,
 )
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
+from slidetune.robot.laws import LAWS
 
 USER_FOLDER_VARIABLE = "SLIDETUNE_PRESETS"
 """Environment variable that names another folder for the user's presets."""
@@ -63,7 +64,7 @@ class PresetInfo:
 
 
 @lru_cache(maxsize=KEPT)
-def _parsed(content: bytes, origin: str) -> Experiment | InvalidExperimentError:
+def _parsed(content: bytes, origin: str, _: tuple[str, ...]) -> Experiment | InvalidExperimentError:
     try:
         return experiment_from_yaml(content, origin)
     except InvalidExperimentError as error:
@@ -90,7 +91,8 @@ def read_preset(path: Path) -> Experiment:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UnknownPresetError(f"can't read preset file {str(path)[:200]!r}: {reason}") from error
-    parsed = _parsed(content, path.name)
+    # What a law's own file makes of it is another experiment when the file is another one.
+    parsed = _parsed(content, path.name, tuple(law.version for law in LAWS.values()))
     if isinstance(parsed, InvalidExperimentError):
         raise copy(parsed)  # a fresh one: every raise adds to its traceback
     return parsed

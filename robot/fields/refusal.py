@@ -18,6 +18,8 @@ from slidetune.robot.fields.quantity import allowed_text
 from slidetune.robot.fields.written_value import plain_value, written
 
 _KEY = "[key]"
+OWN_LAW = "A law of your own is known where its file is named at the start: --law FILE.py"
+"""What may be missing where a law isn't known."""
 
 _TEXTS = {
     "model_type": "must be a mapping",
@@ -27,10 +29,21 @@ _TEXTS = {
 }
 
 
+class Variants:
+    """A type that stands for one of several models, which may change while the program runs."""
+
+    @classmethod
+    def variants(cls) -> tuple[type[BaseModel], ...]:
+        """Return the models that there are now."""
+        raise NotImplementedError
+
+
 def _variants(annotation: Any) -> list[type[BaseModel]]:
     """Return the models that an annotation may hold."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
+    if isinstance(annotation, type) and issubclass(annotation, Variants):
+        return list(annotation.variants())
     found = []
     for argument in getattr(annotation, "__args__", ()):
         found += _variants(argument)
@@ -96,6 +109,8 @@ def _wrong_tag(error: ErrorDetails, place: _Place) -> FieldError:
     given = error["input"].get(key) if isinstance(error["input"], Mapping) else None
     known = [str(tag) for tag in _tags(place.models)]
     text = f"{key} must be one of {', '.join(known)}, got {written(given)}{_hint(given, known)}"
+    if key == "law" and isinstance(given, str):
+        text += f". {OWN_LAW}"
     return FieldError(_dotted([*place.path, key]), text, plain_value(given), ", ".join(known))
 
 

@@ -135,12 +135,14 @@ def kernel_table(
         table[NOMINAL_CHAIN] = nominal.chain.ctypes.data
     called, called_after = None, None
     if control is not None:
-        table[COMPILED_LAW] = compiled_law(for_joints(control, joints))
+        control = for_joints(control, joints)
+        table[COMPILED_LAW] = compiled_law(control)
         if not table[COMPILED_LAW]:
             called = callback(control, gains, nominal.inertia, nominal.bias, work)
             table[LAW_CALLBACK] = ctypes.cast(called, ctypes.c_void_p).value or 0
     if advance is not None:
-        table[ADVANCE] = compiled_advance(for_joints(advance, joints))
+        advance = for_joints(advance, joints)
+        table[ADVANCE] = compiled_advance(advance)
         if not table[ADVANCE]:
             called_after = advance_callback(advance, gains, nominal.inertia, nominal.bias, work)
             table[ADVANCE] = ctypes.cast(called_after, ctypes.c_void_p).value or 0

@@ -8,11 +8,12 @@ calls name it. No other constant that a kernel reads may depend on JOINTS.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import FunctionType
 from typing import Any
 
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.kernels.compiler import compiler_of
+from slidetune.robot.kernels.compiler import OWN_FILE, compiler_of
 
 _made: dict[tuple[Any, int], Any] = {}
 
@@ -21,16 +22,28 @@ def for_joints(function: Any, joints: int) -> Any:
     """Return a kernel as it is for so many joints; compiled when it is first called.
 
     Args:
-        function: a kernel; any other function is returned as it is.
+        function: a kernel, or a plain function of a law's own file; any other function is returned
+            as it is.
         joints: how many there are.
     """
-    if joints == JOINTS or compiler_of(function) is None:
+    if joints == JOINTS or _writer_of(function) is None:
         return function
     if (function, joints) not in _made:
         # Whole before anybody else sees it: a kernel is not to call one for another number.
         for key, kernel in _Rewriting(joints).all_of(function).items():
             _made.setdefault(key, kernel)
     return _made[function, joints]
+
+
+def _writer_of(function: Any) -> Callable[[Any], Any] | None:
+    """Return what makes a function out of the one written for it, ``None`` where it stays."""
+    if isinstance(function, FunctionType):
+        return _plain if OWN_FILE in function.__globals__ else None
+    return compiler_of(function)
+
+
+def _plain(function: FunctionType) -> FunctionType:
+    return function
 
 
 class _Rewriting:
@@ -47,11 +60,11 @@ class _Rewriting:
         return self._kernels
 
     def _written(self, function: Any) -> Any:
-        compiler, key = compiler_of(function), (function, self._joints)
+        compiler, key = _writer_of(function), (function, self._joints)
         if compiler is None:
             return function
         if key not in self._kernels:
-            source: FunctionType = function.py_func
+            source: FunctionType = getattr(function, "py_func", function)
             other = FunctionType(
                 source.__code__,
                 self._globals_of(source),

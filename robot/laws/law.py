@@ -55,6 +55,8 @@ class Law:
             function is called back. Of a law with an observer it moves that one's rows on, too.
         states: which rows of its memory a small deviation moves by as much: those that a margin
             has to know. What is slow, such as a gain that adapts, stays what it is there.
+        version: digest of the file that it was read from; empty for a law that ships with the
+            program.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Law:
     memory: int = 0
     advance: Advance | None = None
     states: tuple[int, ...] = ()
+    version: str = ""
 
     def used_by(self, lane: Section) -> Law:
         """Return the law as a lane uses it: with an observer's memory, or without one at all."""

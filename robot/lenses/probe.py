@@ -13,7 +13,7 @@ from slidetune.robot.integrator.law_call import checked
 from slidetune.robot.integrator.stages import sample
 from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import CURRENT, RECORD, S_E, S_V, TAU, WORK_ROWS, F, Q, S, V
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.laws.terms.equivalent_control import equivalent_control
 from slidetune.robot.motion.trajectory import QUINTIC
 
@@ -28,7 +28,7 @@ class Probe:
 
     def __init__(self, packed: Packed, name: str) -> None:
         """Bind the law of the lane ``name``."""
-        law = LAWS[packed.experiment.lanes[name].law]
+        law = law_of(packed.experiment.lanes[name])
         self._environment = packed.environment.copy()
         self._environment[[SENSOR_Q, SENSOR_V], 0] = 0.0
         joints = packed.joints

@@ -11,16 +11,28 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.integrator.cutting import LOOSENESS
 from slidetune.robot.integrator.horizon import STAGE, STOPPED, run_continuous, run_sampled
 from slidetune.robot.integrator.kernel_arrays import TOLERANCE, kernel_table
+from slidetune.robot.integrator.law_call import compiled_advance, compiled_law
 from slidetune.robot.integrator.stages import FIRST, PLAIN, make_stage
 from slidetune.robot.kernels.by_address import address_of
 from slidetune.robot.kernels.for_joints import for_joints
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
+from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.lane import Lane
 from slidetune.robot.loop.steps import measures_apart
 
 Array = np.ndarray
 Rows = Callable[[Array, Array], int]
 """``make(rows, stop)``: makes the rows from ``rows[0]`` to ``rows[1]``; see ``run_continuous``."""
+
+
+def load_law(law: Law, joints: int) -> None:
+    """Compile or load what lanes of an arm with so many joints will call of a law.
+
+    It takes long: away from the thread that steps them.
+    """
+    compiled_law(for_joints(law.control, joints))
+    if law.advance is not None:
+        compiled_advance(for_joints(law.advance, joints))
 
 
 def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
@@ -33,7 +45,7 @@ def bind_rows(lane: Lane, packed: Packed) -> Rows | None:
     if packed.chain is None or not packed.compiled:
         return None
     simulation, gains = packed.experiment.simulation, packed.experiment.lanes[lane.name]
-    law = LAWS[gains.law].used_by(gains)
+    law = law_of(gains).used_by(gains)
     sampled = simulation.mode == "sampled"
     truth = nominal = chain_of(packed.chain)
     if measures_apart(law, packed) if sampled else law.model_based and packed.nominal is not None:

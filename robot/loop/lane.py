@@ -35,7 +35,8 @@ from slidetune.robot.kernels.workspace import (
     V,
     W,
 )
-from slidetune.robot.laws import LAWS
+from slidetune.robot.law_files.law_file import traceback_text
+from slidetune.robot.laws import law_of
 from slidetune.robot.laws.law import Law
 from slidetune.robot.loop.steps import Step, begin_drives, bind_step, torques_on_the_way
 from slidetune.robot.margins.margin import Margin, margin_at
@@ -60,6 +61,7 @@ class Freeze:
         cause: what happened and what to do, in words.
         gamma: the sampling margin where that is the reason, else ``None``.
         radius: the spectral radius of one control period where that is the reason, else ``None``.
+        trace: lines of the law's own file that led there, empty where there is none.
     """
 
     time: float
@@ -67,6 +69,7 @@ class Freeze:
     cause: str
     gamma: float | None = None
     radius: float | None = None
+    trace: str = ""
 
     def document(self) -> dict[str, Any]:
         """Return it as plain JSON values."""
@@ -158,7 +161,7 @@ class Lane:
         if simulation.initial_velocity == "desired":
             self.work[V] = self.work[VD]
         self.freeze, self.commands = None, np.empty((0, packed.joints))
-        self._keeper = LAWS[packed.experiment.lanes[self.name].law]
+        self._keeper = law_of(packed.experiment.lanes[self.name])
         self.adopt(packed)
 
     def adopt(self, packed: Packed) -> None:
@@ -169,11 +172,11 @@ class Lane:
         keeps its own memory; all others are of the moment: no law finds the one that it once left.
         """
         gains, before = packed.experiment.lanes[self.name], self._keeper
-        law = LAWS[gains.law].used_by(gains)
+        law = law_of(gains).used_by(gains)
         if law.network or law.memory or before.memory:
-            same = (law.name, law.memory) == (before.name, before.memory)
+            same = (law.lane, law.memory) == (before.lane, before.memory)
             if not same and not (law.network and before.network):
-                kept = LAWS[law.name].memory if law.name == before.name else 0
+                kept = law_of(gains).memory if law.lane is before.lane else 0
                 self.work[W + kept : W + NODES] = 0.0
             self._keeper = law
         self.commands = torques_on_the_way(packed, self.work, self.commands)
@@ -224,7 +227,7 @@ class Lane:
 
     def document(self) -> dict[str, Any]:
         """Return whether it runs, since when, and if not, why, as plain JSON values."""
-        why = self.freeze.document() if self.freeze else dict.fromkeys(_WHY)
+        why = self.freeze.document() if self.freeze else {**dict.fromkeys(_WHY), "trace": ""}
         return {"status": "frozen" if self.freeze else "running", "began": self.began, **why}
 
     def hold(self, packed: Packed, time: float, row: int) -> None:
@@ -277,7 +280,10 @@ class Lane:
         self._mend(packed, time, row)
         text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         cause = f"The law {law} failed at {time:.3f} s: {text}. Choose another law, then reset."
-        self.freeze = Freeze(time, None, cause)
+        trace = traceback_text(error)
+        if trace:
+            cause = f"The law {law} failed at {time:.3f} s: {text}. Mend its file, or reset."
+        self.freeze = Freeze(time, None, cause, trace=trace)
 
     def _mend(self, packed: Packed, time: float, row: int) -> None:
         """Put what is finite in the place of all that isn't, in the state and in the last row."""

@@ -34,7 +34,7 @@ from slidetune.robot.kernels.workspace import (
     WORK_ROWS,
     W,
 )
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.loop.accuracy import (
     LOOSER,
     Accuracy,
@@ -260,7 +260,7 @@ def _damped_growth(lane: Lane, packed: Packed) -> float:
 def _lane_run(lane: Lane, packed: Packed, motion: DesiredMotion, good: Accuracy) -> LaneRun:
     record = lane.record
     columns = {name: record[:, i] for i, name in enumerate(RECORD)}
-    law = LAWS[packed.experiment.lanes[lane.name].law]
+    law = law_of(packed.experiment.lanes[lane.name])
     # In place: a whole run writes a lot of memory, and fresh pages cost more than the numbers.
     e, de = columns.pop("q_d"), columns.pop("v_d")
     e -= columns["q"]

@@ -36,24 +36,37 @@ from slidetune.robot.integrator.stages import (
 )
 from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
+    BENDS,
     BETWEEN,
     CURRENT,
     CURVE,
     CURVE_ROWS,
     DELIVERED,
     DRIFT,
+    GAIN,
     HALF,
+    LEAKAGE,
+    LEARNING,
     MEASURED_Q,
     MEASURED_V,
+    NETWORK,
+    NETWORK_SLOPE,
+    REACH,
+    S_E,
     S_FALL,
     S_FREE,
+    S_V,
+    SHAPED,
     TAU,
     Q,
+    S,
     V,
 )
 from slidetune.robot.laws.law import Law
 
 Array = np.ndarray
+_OF_A_LAW = (S, S_V, S_E, GAIN, NETWORK, NETWORK_SLOPE, LEARNING, LEAKAGE, REACH, DRIFT)
+"""Rows that a law writes besides its torque, each time or never."""
 Step = Callable[[float, int, int], int]
 """``step(t, number, row)``: time [s], number of the step, row to record; 0 or 1 + bad joint."""
 
@@ -241,7 +254,10 @@ def bind_step(
         ``step(t, number, row)``, which raises what the law raises.
     """
     # What another law or mode left there is not this one's.
-    work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = work[DRIFT] = 0.0
+    work[CURVE : CURVE + CURVE_ROWS] = work[S_FREE] = work[S_FALL] = 0.0
+    for row in _OF_A_LAW:
+        work[row] = 0.0
+    work[SHAPED, 0] = work[BENDS, 0] = 0.0
     if packed.experiment.simulation.mode == "sampled":
         return sampled_step(law, packed, gains, work, record, commands)
     return continuous_step(law, packed, gains, work, record, cutting)

@@ -34,7 +34,7 @@ from slidetune.robot.kernels.workspace import (
     Q,
     V,
 )
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.margins.period_map import MARGINAL, Around, PeriodMap, calm
 from slidetune.robot.motion.trajectory import QUINTIC, HoldTrajectory, reference
 
@@ -64,7 +64,7 @@ def evaluate(packed: Packed, name: str, q: Array, v: Array, trajectory: Array) -
         v: joint velocities in [rad/s]. Shape (6,).
         trajectory: desired motion, as of ``pack_trajectory``.
     """
-    law = LAWS[packed.experiment.lanes[name].law]
+    law = law_of(packed.experiment.lanes[name])
     work = np.zeros((WORK_ROWS, packed.joints))
     work[Q], work[V] = q, v
     work[PERIOD, 0] = packed.experiment.simulation.hold

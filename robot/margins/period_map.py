@@ -55,7 +55,7 @@ from slidetune.robot.kernels.workspace import (
     V,
     W,
 )
-from slidetune.robot.laws import LAWS
+from slidetune.robot.laws import law_of
 from slidetune.robot.margins.drives import Drives
 from slidetune.robot.margins.observer_state import (
     begin_observer,
@@ -199,7 +199,7 @@ class Around:
         self._joints, kernels = packed.joints, (reference, sample, plant_step, external_torque)
         made = (for_joints(one, packed.joints) for one in kernels)
         motion, self._look, self._move, self._torque_at = made
-        self._law, self._gains = LAWS[lane.law].used_by(lane), packed.gains[name].copy()
+        self._law, self._gains = law_of(lane).used_by(lane), packed.gains[name].copy()
         self.work = work = np.zeros((WORK_ROWS, self._joints))
         motion(time, packed.trajectory, work)
         self.q, self.v = work[QD].copy(), work[VD].copy()
@@ -218,7 +218,7 @@ class Around:
         )
         self._arm = kernel_table(self._truth, self._truth, *rest, record, step=cut.step)
         self._weights = np.zeros((NODES, self._joints))
-        self._memory = remembered_rows(LAWS[lane.law], lane)
+        self._memory = remembered_rows(law_of(lane), lane)
         self.load = self._needed_torque()
         self._ask(self.q, self.v)
         if self._law.memory:
@@ -226,7 +226,7 @@ class Around:
         hidden, learns = work[HIDDEN : HIDDEN + NODES].copy(), work[LEARNING] > 0.0
         length = np.linalg.norm(hidden, axis=0) if self._law.network else np.ones(self._joints)
         if getattr(lane, "observer", "none") != "none":
-            begin_observer(LAWS[lane.law], cut.period, self._nominal.inertia, work, self._weights)
+            begin_observer(law_of(lane), cut.period, self._nominal.inertia, work, self._weights)
         # A joint whose network is blind here, or learns nothing, has no state in it.
         known = learns & (length > 1e-9) if self._law.network else np.zeros(self._joints, bool)
         self.learning: Array = np.flatnonzero(known)

@@ -11,6 +11,8 @@ import numpy
 import pinocchio
 
 import slidetune.robot
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.laws import own_versions
 from slidetune.robot.version import __version__
 
 Build = dict[str, str]
@@ -39,6 +41,12 @@ BUILD: Build = {
 """What a result depends on beside its arguments: workers and coordinator must agree in it."""
 VERSION = f"{BUILD['slidetune']} ({BUILD['sources']})"
 """Version and sources, as people are told of them."""
+
+
+def version_of(experiment: Experiment) -> str:
+    """Return version and sources, those of its laws' own files among them."""
+    own = own_versions(experiment.lanes).items()
+    return ", ".join([VERSION, *(f"{name} {version}" for name, version in own)])
 
 
 def difference(has: Build, wanted: Build) -> str:

@@ -16,7 +16,12 @@ from concurrent.futures import wait as wait_for
 from typing import Any
 
 from slidetune.server.compute.cluster_state import ClusterState, Tell
-from slidetune.server.compute.cluster_task import ClusterError, content_key, packed_call
+from slidetune.server.compute.cluster_task import (
+    ClusterError,
+    content_key,
+    packed_call,
+    refuse_own_laws,
+)
 
 POLL = 0.5
 """Time between two looks at the cluster in [s] (*ours*)."""
@@ -57,10 +62,12 @@ class ClusterExecutor(Executor):
 
         Raises:
             ClusterError: if the cluster is lost.
+            InvalidExperimentError: for an experiment whose law the workers don't know.
             TypeError: for other arguments.
         """
         if kwargs:
             raise TypeError("a task of a cluster has no arguments by name")
+        refuse_own_laws(args)
         return self._submit(content_key(function, args), "a worker", function, args)
 
     def submit_to(self, worker: str, function: Callable[[], Any]) -> Future[Any]:

@@ -8,8 +8,9 @@ import pickle
 from collections.abc import Callable
 from typing import Any
 
-from slidetune.robot.errors import SlidetuneError
+from slidetune.robot.errors import FieldError, InvalidExperimentError, SlidetuneError
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.laws import own_versions
 from slidetune.server.compute.build import BUILD, Build, difference
 
 
@@ -52,6 +53,22 @@ def packed_call(function: Callable[..., Any], arguments: tuple[Any, ...]) -> byt
     return pickle.dumps(_Call(function, arguments))
 
 
+def refuse_own_laws(arguments: tuple[Any, ...]) -> None:
+    """Refuse what has a law from a file: the workers don't have it, and none is sent to them.
+
+    Raises:
+        InvalidExperimentError: naming the field ``scheduler`` and the laws.
+    """
+    experiments = [one for one in arguments if isinstance(one, Experiment)]
+    own = sorted({name for one in experiments for name in own_versions(one.lanes)})
+    if own:
+        text = (
+            f"the workers of a cluster don't know {', '.join(own)}, which is a law from a file of "
+            "this machine: make the runs here, without --scheduler"
+        )
+        raise InvalidExperimentError([FieldError("scheduler", text)])
+
+
 def content_key(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
     """Return a name of a call that is the same in every process, and of no other call.
 
@@ -69,5 +86,5 @@ def content_key(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str
 
 def _plain(value: object) -> Any:
     if isinstance(value, Experiment):
-        return value.document()
+        return [value.document(), own_versions(value.lanes)]
     raise TypeError(f"{type(value).__name__} has no content key")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.laws import own_versions
 from slidetune.robot.loop.response import Response, lane_response, only_lane
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import Workers
@@ -62,7 +63,7 @@ class Previews:
         """Use ``workers``."""
         self._workers = workers
         self._running: dict[str, asyncio.Task[Any]] = {}
-        self._known: OrderedDict[tuple[str, bool], Response] = OrderedDict()
+        self._known: OrderedDict[tuple[Any, bool], Response] = OrderedDict()
 
     async def respond(
         self, experiment: Experiment, estimate: bool, client: str, turn: str = ""
@@ -121,7 +122,8 @@ class Previews:
     async def _lane(self, experiment: Experiment, name: str, estimate: bool, turn: str) -> Response:
         """Run one lane; what didn't change since one of the last requests isn't run again."""
         alone = only_lane(experiment, name)
-        what = alone.model_dump_json(exclude={"title", "description"})
+        text = alone.model_dump_json(exclude={"title", "description"})
+        what = text, tuple(own_versions(alone.lanes).values())
         # An estimate is part of the answer: who asked for none may get one, but not the reverse.
         key = what, estimate or (what, True) in self._known
         known = self._known.get(key)

@@ -41,6 +41,19 @@ class ChannelInfo(BaseModel):
     unit: str = Field(examples=["rad", "N·m"])
 
 
+class LawFileState(BaseModel):
+    """A file of a law of one's own, and what became of its present content."""
+
+    file: str = Field(description="Its name.")
+    law: str = Field(description="Name of its law.")
+    state: Literal["good", "trying", "refused"] = Field(
+        description="`good`: in use. `trying`: it was saved and is being tried. `refused`: it has "
+        "an error; the last good version is in use."
+    )
+    message: str = Field(description="What is wrong with it, or what was left out, in one line.")
+    trace: str = Field(description="The lines of the file that led to the error.")
+
+
 class HelloMessage(BaseModel):
     """Everything that a client needs to begin.
 
@@ -59,6 +72,9 @@ class HelloMessage(BaseModel):
     lanes: list[LaneColor] = Field(description="In order.")
     channels: list[ChannelInfo] = Field(description="The columns of the frames, in order.")
     laws: list[LawInfo] = Field(description="Every control law that a lane may have.")
+    law_files: list[LawFileState] = Field(
+        description="Files of laws of one's own, as the command line names them."
+    )
     state: SessionState
     selected: str = Field(description="The lane whose arm is solid in 3D.")
     view: ViewState
@@ -156,6 +172,22 @@ class StateMessage(SessionState):
     """State of the live session, five times per second and at every change."""
 
 
+class LawsMessage(BaseModel):
+    """The file of a law of one's own was saved, tried, taken or refused."""
+
+    type: Literal["laws"]
+    laws: list[LawInfo] = Field(description="Every control law that a lane may have.")
+    law_files: list[LawFileState] = Field(description="All files of laws of one's own.")
+    schema_: dict[str, Any] | None = Field(
+        alias="schema",
+        description="What `GET /api/schema` returns, if a law is another one now; else null. The "
+        "`patch` that follows has the experiment with its gains.",
+    )
+    baseline: dict[str, Any] | None = Field(
+        description="The experiment as it was loaded or saved, with its gains; null without schema."
+    )
+
+
 class NoticeMessage(BaseModel):
     """A message to be shown to all users."""
 
@@ -176,6 +208,7 @@ SERVER_MESSAGES: tuple[type[BaseModel], ...] = (
     StateMessage,
     MetricsMessage,
     PatchEcho,
+    LawsMessage,
     NoticeMessage,
     RefusalMessage,
 )

@@ -81,6 +81,9 @@ class LawInfo(BaseModel):
     summary: str
     model_based: bool = Field(description="Whether it uses a model of the arm.")
     network: bool = Field(description="Whether it adapts a network.")
+    version: str = Field(
+        description="Digest of the file that it was read from; empty if it ships with Slidetune."
+    )
 
 
 class LaneStatus(BaseModel):
@@ -97,6 +100,9 @@ class LaneStatus(BaseModel):
     began: float = Field(
         description="When it started from its initial state [s]: 0, or when it was reset on its "
         "own."
+    )
+    trace: str = Field(
+        description="The lines of a law's own file that led there, if its law failed."
     )
     remark: str | None = Field(description="A warning if the live curves are approximate.")
 

@@ -8,16 +8,14 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Body, Query, Request, Response
 
 from slidetune.robot.errors import FieldError, InvalidExperimentError
-from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
-from slidetune.robot.experiment.preset_name import LONGEST_NAME
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from slidetune.robot.lessons.lesson import MOST_EXAGGERATION
-from slidetune.robot.loop.figures import FIGURES
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import OR_YAML, YAML
 from slidetune.server.contract.schema import SchemaAnswer
 from slidetune.server.guard.plain_json import NotJsonError, read_json
-from slidetune.server.state.app_state import AppState, law_infos
+from slidetune.server.state.app_state import AppState
+from slidetune.server.state.published import published_schema
 
 REFUSED: dict[int | str, dict[str, Any]] = {
     413: {"model": ErrorAnswer},
@@ -67,16 +65,6 @@ def experiment_router(app_state: AppState) -> APIRouter:
     """Return the routes of the live document."""
     router = APIRouter(prefix="/api", tags=["experiment"])
     document = app_state.document
-    published = {
-        **Experiment.model_json_schema(),
-        "x-laws": law_infos(),
-        "x-figures": [figure.document() for figure in FIGURES.values()],
-        "x-bounds": {
-            "lane_name": LONGEST_LANE_NAME,
-            "preset_name": LONGEST_NAME,
-            "exaggeration": MOST_EXAGGERATION,
-        },
-    }
 
     def present(waiting_steps: int = 0) -> dict[str, Any]:
         return answer(document.revision, document.preset, document.experiment, waiting_steps)
@@ -88,7 +76,7 @@ def experiment_router(app_state: AppState) -> APIRouter:
         The laws stand in ``x-laws``, the figures of a lane in ``x-figures``, and what else is
         bounded in ``x-bounds``.
         """
-        return published
+        return published_schema()
 
     @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
     def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:

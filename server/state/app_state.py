@@ -14,12 +14,12 @@ from slidetune.robot import __version__
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.laws import LAWS
 from slidetune.robot.margins.margin import loop_margin
 from slidetune.server.compute.cluster import cluster_executor
 from slidetune.server.compute.executor import LocalExecutor
 from slidetune.server.compute.preview import Previews
 from slidetune.server.compute.workers import Workers
+from slidetune.server.law_files.law_files import LawFiles
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 from slidetune.server.live.telemetry import Telemetry
@@ -30,16 +30,11 @@ from slidetune.server.state.drawn_arm import pack_drawn
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 from slidetune.server.state.probation import Probation
+from slidetune.server.state.published import law_infos, published_schema
 from slidetune.server.studies.runner import StudyRunner
 from slidetune.server.studies.store import StudyStore, study_folder
 
 log = logging.getLogger("slidetune.app_state")
-
-
-def law_infos() -> list[dict[str, Any]]:
-    """Return name, title and summary of every law."""
-    names = ("name", "title", "summary", "model_based", "network")
-    return [{name: getattr(law, name) for name in names} for law in LAWS.values()]
 
 
 _NO_ADVICE: dict[str, Any] = {"gamma": None, "margin": None, "notes": []}
@@ -73,16 +68,24 @@ class AppState:
         previews: whole responses for the screen.
         results: what the owner last asked for of the live experiment.
         studies: searches, draws and sweeps that outlive a request.
+        law_files: files of laws of one's own, which were named on the command line.
         started: monotonic time of the start in [s].
     """
 
-    def __init__(self, experiment: Experiment, preset: str = "", scheduler: str = "") -> None:
+    def __init__(
+        self,
+        experiment: Experiment,
+        preset: str = "",
+        scheduler: str = "",
+        law_files: LawFiles | None = None,
+    ) -> None:
         """Build all parts; ``start`` lets them run.
 
         Args:
             experiment: what to begin with.
             preset: name of the preset that it comes from.
             scheduler: address of the cluster that makes the runs of studies; this machine without.
+            law_files: files of laws of one's own, whose laws have been taken.
         """
         packed = pack_drawn(experiment)
         self.colors = LaneColors()
@@ -97,6 +100,7 @@ class AppState:
         self.previews = Previews(self.workers)
         self.results = LastResults()
         self.studies = StudyRunner(StudyStore(study_folder()), lambda: self._executor(scheduler))
+        self.law_files = law_files or LawFiles()
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
 
@@ -106,9 +110,11 @@ class AppState:
         self.session.start()
         self.workers.start()
         self.studies.start()
+        self.law_files.follow(self._document_with, self.document.take_law)
 
     def stop(self) -> None:
         """End the session, the workers and the scene."""
+        self.law_files.close()
         self.session.stop()
         self.workers.stop()
         self.studies.close()
@@ -119,6 +125,12 @@ class AppState:
         if scheduler:
             return cluster_executor(scheduler, lambda said: self.session.on_notice(said))
         return LocalExecutor(nice=True)
+
+    def _document_with(self, law: str) -> dict[str, Any] | None:
+        """Return the live document with its lanes of a law alone; ``None`` where none has it."""
+        document = self.document.experiment.document()
+        lanes = {name: lane for name, lane in document["lanes"].items() if lane["law"] == law}
+        return {**document, "lanes": lanes} if lanes else None
 
     def experiment_of(
         self, document: Mapping[str, Any] | None, patch: Mapping[str, Any]
@@ -183,6 +195,16 @@ class AppState:
             self._remarks = (packed, {name: _remarks(packed, name) for name in packed.gains})
         return self._remarks[1]
 
+    def laws(self, with_schema: bool = False) -> dict[str, Any]:
+        """Return the ``laws`` message; with the schema where that has changed."""
+        return {
+            "type": "laws",
+            "laws": law_infos(),
+            "law_files": self.law_files.documents(),
+            "schema": published_schema() if with_schema else None,
+            "baseline": self.document.baseline.document() if with_schema else None,
+        }
+
     def hello(self, client: str, telemetry: Telemetry) -> dict[str, Any]:
         """Return the ``hello`` message for a client that is about to read ``telemetry``."""
         document, state = self.document, self.state()
@@ -197,6 +219,7 @@ class AppState:
             "lanes": self.colors.document(),
             "channels": [asdict(channel) for channel in telemetry.columns],
             "laws": law_infos(),
+            "law_files": self.law_files.documents(),
             "state": state,
             "selected": state["selected"],
             "view": state["view"],

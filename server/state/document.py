@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
 
@@ -11,6 +11,9 @@ from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
 from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.law_files.fitted import fitted
+from slidetune.robot.laws import register
+from slidetune.robot.laws.law import Law
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 from slidetune.server.state.drawn_arm import pack_drawn
@@ -28,6 +31,7 @@ class Change:
         patch: the merge patch, or ``None`` where the whole document was replaced.
         author: id of the client that asked, or an empty text.
         request: the client's own number for its request, or ``None``.
+        law: whether it is another version of a law that made it.
     """
 
     revision: int
@@ -35,6 +39,7 @@ class Change:
     patch: Mapping[str, Any] | None
     author: str
     request: Any = None
+    law: bool = False
 
 
 class Document:
@@ -87,6 +92,28 @@ class Document:
         with self._lock:
             patch = difference(self.experiment.document(), experiment.document())
             return self._patched(patch, author, None, None)
+
+    def take_law(self, law: Law) -> list[str]:
+        """Take another version of a law; time and states go on, its failed lanes begin anew.
+
+        Returns:
+            Gains of the live experiment that were left out; see ``fitted``.
+        """
+        with self._lock:
+            before, beginning = self.experiment.document(), self.baseline.document()
+            register(law)
+            document, left_out = fitted(before, law)
+            packed = pack_drawn(Experiment.from_document(document))
+            self.baseline = Experiment.from_document(fitted(beginning, law)[0])
+            patch = difference(before, packed.experiment.document())
+            change = replace(self._accept(packed, patch, "", None), law=True)
+            self._session.adopt(packed, change.revision)
+            self._tell(change)
+            for name, lane in tuple(self._session.loop.lanes.items()):
+                of_it = name in document["lanes"] and document["lanes"][name]["law"] == law.name
+                if of_it and lane.freeze is not None and lane.freeze.joint is None:
+                    self._session.reset_lane(name)
+            return left_out
 
     def replace(self, experiment: Experiment, preset: str = "", author: str = "") -> Change:
         """Begin another experiment at time 0.

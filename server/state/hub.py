@@ -109,6 +109,7 @@ class Hub:
         self._app_state.session.on_change = lambda: self._soon(self._changed.set)
         self._app_state.session.on_swap = lambda: self._soon(self._wake)
         self._app_state.session.on_notice = self._notice
+        self._app_state.law_files.on_change = lambda: self._soon(self._tell_laws)
         return self._loop.create_task(self._publish(), name="slidetune-publish")
 
     def new_name(self) -> str:
@@ -150,6 +151,9 @@ class Hub:
     def _notice(self, text: str) -> None:
         self._soon(lambda: self.broadcast({"type": "notice", "message": text}))
 
+    def _tell_laws(self, with_schema: bool = False) -> None:
+        self.broadcast(self._app_state.laws(with_schema))
+
     def _wake(self) -> None:
         for client in self.clients:
             client.wake()
@@ -157,6 +161,8 @@ class Hub:
     def _on_change(self, change: Change) -> None:
         if change.patch is None:
             return  # a whole new experiment brings new telemetry, and with it a hello
+        if change.law:
+            self._soon(lambda: self._tell_laws(with_schema=True))
         message = {
             "type": "patch",
             "revision": change.revision,

@@ -22,7 +22,7 @@ from slidetune.robot.loop.simulate import CancelledError
 from slidetune.robot.study.curves import curve_names
 from slidetune.robot.study.robustness import Draw
 from slidetune.robot.study.study import Entry, Study
-from slidetune.server.compute.build import VERSION
+from slidetune.server.compute.build import version_of
 from slidetune.server.studies.store import Record, State, StudyStore, UnknownStudyError
 
 log = logging.getLogger("slidetune.studies")
@@ -101,7 +101,8 @@ class StudyRunner:
         study.check()
         wanted = study.wanted.model_dump(mode="json")
         document = study.experiment.document()
-        number = self.store.add(study.kind, title, study.total, document, wanted)
+        version = version_of(study.experiment)
+        number = self.store.add(study.kind, title, study.total, document, wanted, version)
         self._wake.set()
         return number
 
@@ -198,13 +199,14 @@ class StudyRunner:
     def _finish(self, record: Record) -> tuple[State, str]:
         """Run a study to its end; return how it ended."""
         number, made = record.id, record.made
-        if made and record.version != VERSION:
+        experiment = Experiment.from_document(record.experiment)
+        present = version_of(experiment)
+        if made and record.version != present:
             text = (
-                f"begun by version {record.version}, this is {VERSION}: its entries may not go "
+                f"begun by version {record.version}, this is {present}: its entries may not go "
                 "with what this version would add. Begin it anew."
             )
             return "failed", text
-        experiment = Experiment.from_document(record.experiment)
         study = Study.from_document(record.kind, experiment, record.wanted)
         known = self._known(study, number)
         if not self.store.change_state(number, UNDER_WAY, "running"):

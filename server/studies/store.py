@@ -16,7 +16,6 @@ from typing import Any, Literal
 import platformdirs
 
 from slidetune.robot.errors import SlidetuneError
-from slidetune.server.compute.build import VERSION
 
 FOLDER_VARIABLE = "SLIDETUNE_STUDIES"
 """Environment variable that names another folder for the studies."""
@@ -113,13 +112,21 @@ class StudyStore:
         self._lock = Lock()
         self._opened: sqlite3.Connection | None = None
 
-    def add(self, kind: str, title: str, total: int, experiment: Document, wanted: Document) -> int:
+    def add(
+        self,
+        kind: str,
+        title: str,
+        total: int,
+        experiment: Document,
+        wanted: Document,
+        version: str,
+    ) -> int:
         """Keep a new study that waits; return its number.
 
         Raises:
             StudyStorageError: if the file can't be written.
         """
-        row = (kind, title, time.time(), VERSION, "waiting", total, _text(experiment))
+        row = (kind, title, time.time(), version, "waiting", total, _text(experiment))
         with self._file(create=True) as file:
             made = file.execute(
                 "INSERT INTO studies (kind, title, created, version, state, total, experiment,"

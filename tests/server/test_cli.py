@@ -16,6 +16,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from slidetune.robot.experiment.presets import SHIPPED_FOLDER, presets
 from slidetune.robot.loop.simulate import simulate
+from tests.own_laws import EXAMPLE, before_torque
 
 ROOT = SHIPPED_FOLDER.parent
 SHORT = {"simulation": {"horizon": 0.3}}
@@ -152,3 +153,20 @@ def test_help_names_every_command(tmp_path: Path) -> None:
     done = slidetune("--help", folder=tmp_path)
     assert done.returncode == 0
     assert all(command in done.stdout for command in ("serve", "run", "paper", "bench"))
+
+
+def test_a_law_of_one_s_own_runs_and_one_that_never_returns_is_ended(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("lanes: {A: {law: pd_gravity}}\nsimulation: {horizon: 0.3}\n")
+    law = tmp_path / "pd.py"
+    law.write_text(EXAMPLE)
+    refused = slidetune("run", "a.yaml", folder=tmp_path)
+    assert refused.returncode == 2
+    assert "--law FILE.py" in refused.stderr
+    done = slidetune("run", "a.yaml", "--law", "pd.py", "--json", "-", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "A" in json.loads(done.stdout)["lanes"]
+    law.write_text(before_torque("while True:", "    e += 1.0"))
+    ended = slidetune("run", "a.yaml", "--law", "pd.py", folder=tmp_path)
+    assert ended.returncode == 2
+    assert "EndlessLoopError" in ended.stderr
+    assert 'File "pd.py", line' in ended.stderr

@@ -3,7 +3,7 @@
  * The server, its live session above all. Only this folder knows its addresses and messages.
  *
  * Views read the state fields and listen to the events:
- * `hello`, `patch`, `state`, `metrics`, `notice`, `error`: the server's message as `detail`
+ * `hello`, `patch`, `state`, `metrics`, `laws`, `notice`, `error`: the server's message as `detail`
  * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
@@ -18,6 +18,7 @@
  */
 
 import {Connection} from './connection.js';
+import {noteVersions} from '../fields/law_versions.js';
 import {ApiError, request} from './http.js';
 import {Outbox} from './outbox.js';
 import {Runs} from './runs.js';
@@ -31,12 +32,14 @@ export {ApiError};
 /** @typedef {{name: string, group: string, joint: number|string, lane: string, unit: string}} Channel */
 /**
  * @typedef {{name: string, title: string, summary: string, model_based: boolean,
- *   network: boolean}} Law
+ *   network: boolean, version: string}} Law
+ * @typedef {{file: string, law: string, state: 'good'|'trying'|'refused', message: string,
+ *   trace: string}} LawFile
  */
 /**
  * @typedef {{status: 'running'|'frozen', time: number|null, joint: number|null,
  *   cause: string|null, gamma: number|null, radius: number|null, began: number,
- *   remark: string|null}} LaneState `began`: when it was reset by itself [s], or 0
+ *   trace: string, remark: string|null}} LaneState `began`: when it was reset by itself [s], or 0
  */
 /**
  * @typedef {{time: number, playing: boolean, speed: number, real_time_factor: number,
@@ -63,6 +66,7 @@ export class Api extends EventTarget {
   /** @type {Lane[]} */ lanes = [];
   /** @type {Channel[]} */ channels = [];
   /** @type {Law[]} */ laws = [];
+  /** @type {LawFile[]} */ lawFiles = [];
   /** @type {State|null} */ session = null;
   /** @type {Document|null} the last `metrics` message */ metrics = null;
   /** @type {import('../curves/ring.js').Ring|null} the last minute, which the plots keep */ kept = null;
@@ -302,6 +306,10 @@ export class Api extends EventTarget {
         if (performance.now() - this.#viewed > VIEW_MS) this.drawn = {...this.drawn, ...message.view};
         break;
       case 'metrics': this.metrics = message; break;
+      case 'laws':
+        this.#takeLaws(message);
+        this.baseline = message.baseline ?? this.baseline;
+        break;
       case 'error': this.#refused(message); return;
       default:
     }
@@ -310,9 +318,11 @@ export class Api extends EventTarget {
 
   /** @param {Document} message */
   #hello(message) {
-    const {client, version, experiment, baseline, preset, channels, laws, state} = message;
+    const {client, version, experiment, baseline, preset, channels, state} = message;
     takeRole(message.role, this.version !== '');
-    Object.assign(this, {client, version, experiment, baseline, preset, channels, laws});
+    if (!sameLaws(this.laws, message.laws)) location.reload();  // its schema is another one
+    Object.assign(this, {client, version, experiment, baseline, preset, channels});
+    this.#takeLaws(message);
     this.selected = successor(this.lanes, message.lanes, this.selected, message.selected);
     this.lanes = message.lanes;
     this.session = state;
@@ -321,6 +331,12 @@ export class Api extends EventTarget {
     if (this.connected) return;
     this.connected = true;
     this.#emit('connection', {connected: true});
+  }
+
+  /** @param {Document} message */
+  #takeLaws({laws, law_files: lawFiles}) {
+    Object.assign(this, {laws, lawFiles});
+    noteVersions(laws);
   }
 
   /** @param {Document} message */
@@ -339,6 +355,15 @@ export class Api extends EventTarget {
    * @param {any} detail
    */
   #emit(type, detail) { this.dispatchEvent(new CustomEvent(type, {detail})); }
+}
+
+/**
+ * @param {Law[]} before none at the beginning
+ * @param {Law[]} now
+ */
+function sameLaws(before, now) {
+  const names = (/** @type {Law[]} */ laws) => laws.map(({name, version}) => `${name} ${version}`).join();
+  return !before.length || names(before) === names(now);
 }
 
 /**

@@ -14,6 +14,12 @@ export const SCHEMA = await published();
 /** @type {{lane_name: number, preset_name: number, exaggeration: number}} */
 export const BOUNDS = SCHEMA['x-bounds'];
 
+/** @param {import('../fields/merge_patch.js').Document} next what the server publishes now */
+export function replaceSchema(next) {
+  for (const key of Object.keys(SCHEMA)) delete SCHEMA[key];
+  Object.assign(SCHEMA, next);
+}
+
 async function published() {
   for (;;) {
     try {

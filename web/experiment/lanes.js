@@ -127,7 +127,7 @@ class LaneList {
       status.classList.toggle('is-frozen', frozen);
       const why = frozen ? lane.cause ?? 'It left its bounds.' : lane.remark ?? '';
       // The slider in the hand lies below: it is said when that is let go.
-      if (!this.#api.moving) this.#explain(name, cause, frozen, why);
+      if (!this.#api.moving) this.#explain(name, cause, frozen, why, lane.trace);
     }
   }
 
@@ -136,17 +136,19 @@ class LaneList {
    * @param {HTMLElement} cause
    * @param {boolean} frozen
    * @param {string} text
+   * @param {string} trace lines of the law's own file
    */
-  #explain(name, cause, frozen, text) {
-    if (cause.dataset.text === text) return;
-    cause.dataset.text = text;
+  #explain(name, cause, frozen, text, trace) {
+    if (cause.dataset.text === text + trace) return;
+    cause.dataset.text = text + trace;
     if (!text) { cause.replaceChildren(); return; }
     const why = element('span', {class: 'lane-why', title: text}, text);
     if (!frozen) { cause.replaceChildren(why); return; }
     const reset = element('button', {
       class: 'button small', type: 'button', title: RESET_LANE, on: {click: () => this.#api.reset(name)},
     }, icon('reset'), 'Reset lane');
-    cause.replaceChildren(why, reset);
+    const way = trace && element('pre', {class: 'law-trace', tabindex: '0'}, trace);
+    cause.replaceChildren(why, reset, ...(way ? [way] : []));
   }
 
   /** @param {string} law */

@@ -6,8 +6,9 @@ import {element, withIndices} from '../dom/element.js';
 import {fieldPath} from '../fields/field_path.js';
 import {Knobs} from '../knobs/knobs.js';
 import {mount as mountLanes} from './lanes.js';
+import {mountLawFiles} from './law_files.js';
 import {leaves} from '../fields/merge_patch.js';
-import {SCHEMA} from '../api/schema_document.js';
+import {SCHEMA, replaceSchema} from '../api/schema_document.js';
 import {Schema} from '../fields/schema.js';
 import {Goals} from '../goals/goals.js';
 import {Group, SectionGroup} from '../controls/section.js';
@@ -31,8 +32,13 @@ export function mount(place, api, history, tell, preview) {
   const gains = element('section', {class: 'gains', 'aria-label': 'Gains of the selected lane'});
   const rest = element('section', {class: 'sections', 'aria-label': 'Experiment'});
   place.append(about, lanes, gains, rest);
+  api.addEventListener('laws', (event) => {
+    const {schema} = detail(event);
+    if (schema) replaceSchema(schema);
+  });
   api.addEventListener('hello', () => {
     const schema = new Schema(SCHEMA);
+    lanes.append(mountLawFiles(api));
     mountLanes(lanes, api, history, schema, tell);
     new Tuning(schema, api, history, tell).mount(place, gains, rest);
     const goals = new Goals(api, history, preview).element;
@@ -102,6 +108,7 @@ class Tuning {
       this.#refresh();
     });
     this.#api.addEventListener('patch', (event) => this.#patched(detail(event)));
+    this.#api.addEventListener('laws', (event) => { if (detail(event).schema) this.#built = ''; });
     this.#api.addEventListener('error', (event) => this.#refused(detail(event)));
     // After the listeners above: what it has to say stands beside controls that are up to date.
     this.#knobs = new Knobs(desk, column, gains, (path) => this.#fieldAt(path));

@@ -1,6 +1,8 @@
 // @ts-check
 /** What a lane's whole response depends on, as a text that can be compared. */
 
+import {versionOf} from './law_versions.js';
+
 /**
  * @param {{[section: string]: any}} experiment
  * @param {string} lane
@@ -9,7 +11,8 @@
 export function keyOf(experiment, lane, except = []) {
   const {robot, trajectory, disturbance, simulation, lanes} = experiment;
   const gains = Object.entries(lanes?.[lane] ?? {}).filter(([name]) => !except.includes(name));
-  return JSON.stringify([lane, gains, robot, trajectory, disturbance, simulation]);
+  const version = versionOf(lanes?.[lane]?.law);
+  return JSON.stringify([lane, gains, version, robot, trajectory, disturbance, simulation]);
 }
 
 /** Gains that the threshold of silence does not depend on. */

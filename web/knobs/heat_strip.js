@@ -1,6 +1,7 @@
 // @ts-check
 /** Which slider shows what lies along its track, and the short runs that it takes. */
 
+import {versionOf} from '../fields/law_versions.js';
 import {COUNT, Strip} from './heat_strip_view.js';
 import {greatest} from '../fields/shares.js';
 
@@ -219,7 +220,7 @@ class HeatStrips {
       joint === index + 1 ? 0 : gains[name][index] ?? gains[name]
     ));
     const rest = joint ? each : proportions(gains[name]);
-    return JSON.stringify([lane, name, joint, {...gains, [name]: rest}, world]);
+    return JSON.stringify([lane, name, joint, {...gains, [name]: rest}, versionOf(gains.law), world]);
   }
 }
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** Which knob next: every gain of a lane a little down and a little up, ranked by its effect. */
 
+import {versionOf} from '../fields/law_versions.js';
 import {element, freshId, symbol} from '../dom/element.js';
 import {valueText} from '../fields/field_names.js';
 import {icon} from '../dom/icons.js';
@@ -164,7 +165,7 @@ export class Tornado {
   #depends() {
     const {lanes, title, description, ...world} = this.#desk.api.experiment;
     const lane = this.#desk.api.selected;
-    return JSON.stringify([lane, lanes[lane], world]);
+    return JSON.stringify([lane, lanes[lane], versionOf(lanes[lane]?.law), world]);
   }
 
   /** Whether the rows still hold: said in a line that is always there, as is the progress's. */

@@ -128,6 +128,7 @@ def test_what_goes_over_a_real_socket_is_what_it_describes(served: Served) -> No
         socket.send(json.dumps({"type": "speed", "speed": 99}))
         socket.send(json.dumps({"type": "play"}))
         served.app_state.session.on_notice("Something happened.")
+        served.app_state.law_files.on_change()
         while seen != wanted:
             assert time.monotonic() < end, f"no {wanted - seen} came"
             raw = socket.recv(timeout=15.0)

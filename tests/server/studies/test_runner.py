@@ -103,15 +103,11 @@ def test_two_servers_never_run_the_same_study(tmp_path: Path) -> None:
     two.close()
 
 
-def test_another_version_does_not_go_on_with_entries_that_may_not_fit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_version_does_not_go_on_with_entries_that_may_not_fit(tmp_path: Path) -> None:
     store = StudyStore(tmp_path)
     wanted = study(trials=8)
     document = wanted.experiment.document()
-    monkeypatch.setattr("slidetune.server.studies.store.VERSION", "0.0.1")
-    number = store.add("tune", "", 8, document, wanted.wanted.model_dump(mode="json"))
-    monkeypatch.undo()
+    number = store.add("tune", "", 8, document, wanted.wanted.model_dump(mode="json"), "0.0.1")
     with local_executor(1) as pool:
         first = next(wanted.entries(pool))
     store.append(number, 0, [(first.document(), None)])
@@ -124,7 +120,7 @@ def test_another_version_does_not_go_on_with_entries_that_may_not_fit(
 
 def test_a_study_that_fails_says_why_and_the_next_one_runs(tmp_path: Path) -> None:
     server = runner(tmp_path)
-    bad = server.store.add("tune", "", 8, {"lanes": {"A": {"law": "gone"}}}, {"lane": "A"})
+    bad = server.store.add("tune", "", 8, {"lanes": {"A": {"law": "gone"}}}, {"lane": "A"}, "")
     server.start()
     good = server.begin(study(trials=2))
     until(lambda: server.store.progress(good)[0] == "done")
@@ -154,7 +150,7 @@ def test_a_study_whose_end_can_not_be_kept_is_not_begun_again_at_once(
 
 def test_an_entry_that_is_there_already_stays(tmp_path: Path) -> None:
     store = StudyStore(tmp_path)
-    number = store.add("tune", "", 3, {}, {"lane": "A"})
+    number = store.add("tune", "", 3, {}, {"lane": "A"}, "")
     store.append(number, 0, [({"a": 1}, None), ({"a": 2}, b"x")])
     store.append(number, 1, [({"a": 9}, None), ({"a": 3}, None)])
     assert store.entries(number) == [{"a": 1}, {"a": 2}, {"a": 3}]
