@@ -60,9 +60,9 @@ else:
     Lane = AnyLane
 
 
-def _arm_of(document: Mapping[str, Any]) -> KnownArm:
+def _arm_of(document: Any) -> KnownArm:
     """Return the arm that a document names; the shipped one where that will be refused."""
-    robot = document.get("robot")
+    robot = document.get("robot") if isinstance(document, Mapping) else None
     name = robot.get("model") if isinstance(robot, Mapping) else None
     arms = known_arms()
     return arms.get(name, arms[SHIPPED]) if isinstance(name, str) else arms[SHIPPED]
@@ -70,8 +70,10 @@ def _arm_of(document: Mapping[str, Any]) -> KnownArm:
 
 def _posed(document: Mapping[str, Any], arm: KnownArm) -> Mapping[str, Any]:
     """Return a document whose trajectory has the poses of its arm where it gives none."""
+    if arm.name == SHIPPED:  # also where it is no document at all
+        return document
     trajectory = document.get("trajectory")
-    if arm.name == SHIPPED or not isinstance(trajectory, Mapping):
+    if not isinstance(trajectory, Mapping):
         return document
     home, away = list(arm.home), list(arm.away)
     poses: dict[Any, dict[str, Any]] = {

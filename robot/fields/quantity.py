@@ -62,7 +62,8 @@ class Weight(TypedDict):
 
 
 _NUMBER: dict[str, Any] = {"type": "number"}
-_SIX: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": JOINTS, "maxItems": JOINTS}
+# As many as the arm has joints, which no schema can say.
+_EACH: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": MOST_JOINTS}
 
 
 def _real(value: object) -> float | None:
@@ -164,18 +165,18 @@ PerJoint = Annotated[
     float | tuple[float, ...],
     PlainValidator(_per_joint),
     PlainSerializer(_plain),
-    WithJsonSchema({"anyOf": [_NUMBER, _SIX]}),
+    WithJsonSchema({"anyOf": [_NUMBER, _EACH]}),
 ]
 """One number for all joints, or one a joint."""
 PerJointOrOff = Annotated[
     float | tuple[float, ...] | None,
     PlainValidator(_limit),
     PlainSerializer(_plain),
-    WithJsonSchema({"anyOf": [_NUMBER, _SIX, {"type": "null"}]}),
+    WithJsonSchema({"anyOf": [_NUMBER, _EACH, {"type": "null"}]}),
 ]
 """One number for all joints, one a joint, or ``None`` for none at all."""
 JointVector = Annotated[
-    tuple[float, ...], PlainValidator(_joint_vector), PlainSerializer(_plain), WithJsonSchema(_SIX)
+    tuple[float, ...], PlainValidator(_joint_vector), PlainSerializer(_plain), WithJsonSchema(_EACH)
 ]
 Point = Annotated[
     tuple[float, ...],

@@ -37,8 +37,8 @@ class AnyLane(Variants):
     @classmethod
     def __get_pydantic_core_schema__(cls, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         """Validate by the laws that there are when it is asked."""
-        return core_schema.no_info_plain_validator_function(
-            lambda value: _present().validate_python(value)
+        return core_schema.with_info_plain_validator_function(
+            lambda value, info: _present().validate_python(value, context=info.context)
         )
 
     @classmethod

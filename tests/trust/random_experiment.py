@@ -6,7 +6,9 @@ import math
 import random
 from typing import Any
 
+from slidetune.robot.arm.known import SHIPPED, arm_named
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.quantity import MOST_JOINTS
 from slidetune.robot.goals.section import OF_THE_WHOLE_ARM
 
 Schema = dict[str, Any]
@@ -26,6 +28,8 @@ LONGEST = 0.5
 """Longest horizon in [s] (*ours*)."""
 GOALS = 2
 """Most goals of a drawn experiment (*ours*)."""
+OF_A_CIRCLE = 3
+"""Fewest joints with which a flange goes round."""
 SHORTEST = 0.1
 """Shortest horizon that the schema takes in [s]."""
 
@@ -33,22 +37,33 @@ SHORTEST = 0.1
 class Draw:
     """Draws documents from the schema of ``Experiment``."""
 
-    def __init__(self, seed: int, without: tuple[str, ...] = (), prompt: float = PROMPT) -> None:
+    def __init__(
+        self,
+        seed: int,
+        without: tuple[str, ...] = (),
+        prompt: float = PROMPT,
+        arms: tuple[str, ...] = (SHIPPED,),
+    ) -> None:
         """Draw always the same for the same seed.
 
         Args:
             seed: what the draws follow.
             without: options that are not to be drawn.
             prompt: share of experiments whose drives have no lag.
+            arms: which arms they may be about.
         """
         self._dice = random.Random(seed)
-        self._without, self._prompt = without, prompt
+        self._without, self._prompt, self._arms = without, prompt, arms
+        self._joints = 0
         self._schema = Experiment.model_json_schema()
 
     def document(self) -> Document:
         """Return an experiment within its bounds, of which a combination may still be refused."""
         apart = {"lanes", "goals", "uncertainty", "title", "description"}
+        arm = self._dice.choice(self._arms) if len(self._arms) > 1 else self._arms[0]
+        self._joints = arm_named(arm).joints
         drawn: Document = self._object(self._schema, skip=apart)
+        drawn["robot"]["model"] = arm
         variants = self._schema["properties"]["lanes"]["additionalProperties"]
         names = [f"Lane {n + 1}" for n in range(self._dice.randint(1, LANES))]
         drawn["lanes"] = {name: self._value(variants) for name in names}
@@ -56,6 +71,8 @@ class Draw:
         simulation["horizon"] = self._horizon(simulation)
         if self._dice.random() > REFUSED:
             self._avoid_refusal(drawn)
+        if drawn["robot"]["model"] != SHIPPED:
+            drawn["robot"]["inertials"] = "vendor"
         if self._dice.random() < self._prompt:
             drawn["robot"]["lag"] = 0.0
         # Last, so that what is run is drawn as without them.
@@ -69,6 +86,7 @@ class Draw:
         goal: Document = self._value(self._schema["properties"]["goals"]["additionalProperties"])
         if goal.get("channel", goal.get("figure")) in OF_THE_WHOLE_ARM:
             goal["joint"] = 0
+        goal["joint"] = min(goal["joint"], self._joints)
         if goal["kind"] == "response":
             goal["start"], goal["end"] = sorted(self._dice.sample(range(120), 2))
         return goal
@@ -84,9 +102,11 @@ class Draw:
             if lane.get("reaching") == "power" and lane["switching"] == "implicit":
                 lane["switching"] = "sign"
             if "p" in lane:
-                odd = [2 * self._dice.randint(1, 24) + 1 for _ in range(6)]
+                odd = [2 * self._dice.randint(1, 24) + 1 for _ in range(self._joints)]
                 lane["k"] = odd
                 lane["p"] = [k + 2 * self._dice.randint(1, k // 2) for k in odd]
+        if drawn["trajectory"]["kind"] == "circle" and self._joints < OF_A_CIRCLE:
+            drawn["trajectory"] = {"kind": "quintic"}
         if drawn["trajectory"]["kind"] == "circle":
             del drawn["trajectory"]["pose"]
             drawn["trajectory"]["radius"] = self._dice.uniform(0.005, 0.1)
@@ -129,7 +149,9 @@ class Draw:
         if kind == "boolean":
             return self._dice.random() < 0.5
         if kind == "array":
-            return [self._number(bounds, "number") for _ in range(shape["minItems"])]
+            per_joint = shape["maxItems"] == MOST_JOINTS
+            count = self._joints if per_joint else shape["minItems"]
+            return [self._number(bounds, "number") for _ in range(count)]
         if kind == "string":
             return ""
         return self._number(bounds, kind)

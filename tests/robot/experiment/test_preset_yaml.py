@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.errors import InvalidExperimentError, PresetSyntaxError, SlidetuneError
@@ -59,6 +60,8 @@ def _value(name: str, info: Any) -> st.SearchStrategy[Any]:
     kind, extra = info.annotation, info.json_schema_extra or {}
     if isinstance(kind, type) and issubclass(kind, Section):
         return sections(kind)
+    if name == "model":
+        return st.just(SHIPPED)
     if "minimum" not in extra:
         return st.booleans() if kind is bool else st.sampled_from(get_args(kind))
     low, high = extra["minimum"], SHORT.get(name, extra["maximum"])

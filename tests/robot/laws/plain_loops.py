@@ -37,7 +37,7 @@ class PlainLoop:
         self.nominal = arm(robot, document["disturbance"]["nominal_mismatch"])
         self.nominal_data = self.nominal.createData()
         self.lost = _wide(document["disturbance"]["constant"])
-        self.motion, _ = motion(document["trajectory"])
+        self.motion, _ = motion(document["trajectory"], JOINTS)
         q_d, v_d, _ = self.motion(0.0)
         self.q, self.v = q_d - _wide(self.simulation["initial_error"]), v_d
         self.torque: Callable[..., tuple[Array, Array]] = getattr(self, self.lane["law"])

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from slidetune.robot.arm import arm
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
@@ -138,7 +139,9 @@ def made(
 ) -> Made:
     """Make a lane's rows, so many in one call."""
     count = packed.experiment.simulation.rows
-    lane = Lane(name, packed, np.zeros((count, len(RECORD), JOINTS)), cutting_of_whole_run(count))
+    lane = Lane(
+        name, packed, np.zeros((count, len(RECORD), packed.joints)), cutting_of_whole_run(count)
+    )
     make, rows = bind(lane, packed), np.zeros(2, np.int64)
     assert make is not None
     while rows[0] < count:
@@ -333,7 +336,7 @@ def test_a_law_of_plain_python_is_called_back_and_gives_the_rows_of_a_compiled_o
 
 
 def test_one_call_gives_the_rows_of_single_steps_of_whatever_can_be_set() -> None:
-    draw, lanes = Draw(5), 0
+    draw, lanes = Draw(5, arms=(SHIPPED, SHIPPED, "pendulum", "two_links")), 0
     for number in range(DRAWN):
         try:
             packed = pack(Experiment.from_document(draw.document()))

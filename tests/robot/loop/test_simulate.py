@@ -305,6 +305,8 @@ def any_value(name: str, info: FieldInfo) -> st.SearchStrategy[Any]:
     kind, extra = info.annotation, info.json_schema_extra
     if isinstance(kind, type) and issubclass(kind, Section):
         return any_section(kind)
+    if name == "model":
+        return st.just(info.default)
     if not isinstance(extra, dict) or "minimum" not in extra:
         return st.booleans() if kind is bool else st.sampled_from(get_args(kind))
     low, high = float(extra["minimum"]), float(CHEAP.get(name, extra["maximum"]))
