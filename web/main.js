@@ -2,6 +2,7 @@
 /** Puts the screen together and opens the line to the server. */
 
 import {Api} from './api/api.js';
+import {beginAnewForAnother} from './api/arm.js';
 import {mount as mountControls} from './experiment/panel.js';
 import {mountHeader} from './page/header.js';
 import {History} from './api/undo.js';
@@ -31,6 +32,7 @@ function part(id) { return /** @type {HTMLElement} */ (document.getElementById(i
 
 applyTheme();
 const api = new Api();
+beginAnewForAnother(api);
 const history = new History(api);
 const preview = new Preview(api);
 const before = new ResponseBefore(api, preview);

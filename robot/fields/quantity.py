@@ -62,8 +62,15 @@ class Weight(TypedDict):
 
 
 _NUMBER: dict[str, Any] = {"type": "number"}
-# As many as the arm has joints, which no schema can say.
-_EACH: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": MOST_JOINTS}
+PER_JOINT = "per_joint"
+"""Says of an array in the JSON Schema that it has a number for each joint of the arm."""
+_EACH: dict[str, Any] = {
+    "type": "array",
+    "items": _NUMBER,
+    "minItems": 1,
+    "maxItems": MOST_JOINTS,
+    PER_JOINT: True,
+}
 
 
 def _real(value: object) -> float | None:

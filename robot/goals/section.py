@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from slidetune.robot.fields.quantity import JOINTS, Integer, Number, Section, field, refusal
+from slidetune.robot.fields.quantity import MOST_JOINTS, Integer, Number, Section, field, refusal
 
 Channel = Literal["e", "de", "tau", "S", "flange_error"]
 Priority = Literal["hard", "soft"]
@@ -61,7 +61,7 @@ class Goal(Section):
         0,
         title="Joint",
         low=0,
-        high=JOINTS,
+        high=MOST_JOINTS,
         joint=True,
         step=1,
         meaning="Joint that the goal is for; 0 for every joint, and of a figure for the number in "

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field
 
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.fields.quantity import MOST_JOINTS
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.server.contract.messages import (
     ErrorDetail,
@@ -17,7 +17,7 @@ from slidetune.server.contract.messages import (
     ViewState,
 )
 
-_PerJoint = Annotated[list[float], Field(min_length=JOINTS, max_length=JOINTS)]
+_PerJoint = Annotated[list[float], Field(min_length=1, max_length=MOST_JOINTS)]
 
 
 class LaneColor(BaseModel):

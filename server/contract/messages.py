@@ -7,8 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from slidetune.robot.experiment.document import LaneName
+from slidetune.robot.fields.quantity import MOST_JOINTS
 from slidetune.robot.lessons.lesson import MOST_EXAGGERATION
-from slidetune.server.live.push import KICK, KICK_DURATION
+from slidetune.server.live.push import KICK_DURATION
 from slidetune.server.live.session import SPEEDS
 
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -19,7 +20,7 @@ RequestId = (
 )
 _REQUEST_ID: TypeAdapter[int | str] = TypeAdapter(RequestId)
 # JSON knows lists only; what is in it is as strict as elsewhere.
-SixTorques = Annotated[tuple[Torque, Torque, Torque, Torque, Torque, Torque], Field(strict=False)]
+Torques = Annotated[tuple[Torque, ...], Field(strict=False, min_length=1, max_length=MOST_JOINTS)]
 
 
 class Strict(BaseModel):
@@ -187,7 +188,12 @@ class PresetAnswer(PresetSummary):
 class Kick(Strict):
     """A push of all lanes' joints."""
 
-    torque: SixTorques = Field(KICK, description="Torque by joint [N·m], each within ±1000.")
+    torque: Torques | None = Field(
+        None,
+        description="Torque [N·m] of each joint, force [N] of one that slides, each within ±1000; "
+        "by default one that fits the arm's inertia.",
+        examples=[[60.0, 60.0, 40.0, 10.0, 5.0, 2.0]],
+    )
     duration: float = Field(
         KICK_DURATION,
         gt=0.0,

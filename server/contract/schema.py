@@ -26,8 +26,8 @@ class FigureInfo(BaseModel):
     )
     factor: float = Field(examples=[_MAE.factor], description="From `unit` to `shown_unit`.")
     digits: int = Field(description="Significant digits on the screen.")
-    per_joint: bool = Field(description="Whether there are six.")
-    reduced: Reduction = Field(description="How six become one.")
+    per_joint: bool = Field(description="Whether there is one for each joint.")
+    reduced: Reduction = Field(description="How those become one.")
     better: Better = Field(description="Which way is better.")
     meaning: str = Field(description="What it is, without a full stop.")
     source: Source = Field(
@@ -39,6 +39,22 @@ class FigureInfo(BaseModel):
     studied: bool = Field(description="Whether studies tell it, and gains can be judged by it.")
 
 
+class JointInfo(BaseModel):
+    """One joint of an arm."""
+
+    name: str = Field(description="Its name in the description of the arm.", examples=["joint_1"])
+    slides: bool = Field(description="Whether it slides: then m and N stand for rad and N·m.")
+
+
+class ArmInfo(BaseModel):
+    """An arm."""
+
+    name: str = Field(description="Value of `robot.model`.", examples=["jaka_zu5"])
+    title: str = Field(description="Name on the screen.", examples=["JAKA Zu 5"])
+    meaning: str = Field(description="The arm in one line.")
+    joints: list[JointInfo] = Field(description="From base to tip.")
+
+
 class SchemaAnswer(BaseModel):
     """JSON Schema of an experiment, with what else its readers need to show one."""
 
@@ -48,6 +64,7 @@ class SchemaAnswer(BaseModel):
     x_figures: list[FigureInfo] = Field(
         alias="x-figures", description="Every figure of a lane, in the order of the tables."
     )
+    x_arm: ArmInfo = Field(alias="x-arm", description="The arm of the live document.")
     x_bounds: dict[str, float] = Field(
         alias="x-bounds",
         description="Longest names in characters, and the greatest factor by which deviations are "

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import pinocchio as pin
-
-from slidetune.robot.arm.arm import build_model
-from slidetune.robot.arm.known import FLANGE
-from slidetune.robot.arm.section import Robot
 
 Array = np.ndarray
 
@@ -20,16 +15,16 @@ class Grip:
     """A point of one link.
 
     Attributes:
-        joint: the link moves with this joint, 1 to 6.
+        joint: the link moves with this joint, from 1.
         point: in the frame of that joint in [m]. Shape (3,).
     """
 
     joint: int
     point: Array
 
-    def place(self, angles: Array) -> Array:
-        """Return where the point is in the base frame in [m]. Shape (3,); of ``angles`` (6,)."""
-        place: Array = _placement(angles, self.joint).act(self.point)
+    def place(self, model: pin.Model, angles: Array) -> Array:
+        """Return where the point is in the base frame in [m]. Shape (3,); of ``angles`` (n,)."""
+        place: Array = _placement(model, angles, self.joint).act(self.point)
         return place
 
     def torque(self, model: pin.Model, data: pin.Data, angles: Array, force: Array) -> Array:
@@ -38,11 +33,11 @@ class Grip:
         Args:
             model: the arm.
             data: of the model.
-            angles: joint angles in [rad]. Shape (6,).
+            angles: joint angles in [rad]. Shape (n,).
             force: in the base frame in [N]. Shape (3,).
 
         Returns:
-            In [N m]. Shape (6,).
+            In [N m], or [N] where a joint slides. Shape (n,).
         """
         pin.computeJointJacobians(model, data, angles)
         axes = pin.LOCAL_WORLD_ALIGNED
@@ -65,24 +60,18 @@ class Pull:
     force: Array
 
 
-def grip_at(joint: int, place: Array, angles: Array) -> Grip:
+def grip_at(model: pin.Model, joint: int, place: Array, angles: Array) -> Grip:
     """Return the point of the link of ``joint`` that is at ``place`` [m] in the base frame."""
-    return Grip(joint, _placement(angles, joint).actInv(place))
+    return Grip(joint, _placement(model, angles, joint).actInv(place))
 
 
-@cache
-def flange_grip() -> Grip:
-    """Return the middle of the flange."""
-    frame = _model().frames[_model().getFrameId(FLANGE)]
+def flange_grip(model: pin.Model, tip: str) -> Grip:
+    """Return the middle of the flange, a frame of the model."""
+    frame = model.frames[model.getFrameId(tip)]
     return Grip(frame.parentJoint, np.array(frame.placement.translation))
 
 
-@cache
-def _model() -> pin.Model:
-    return build_model(Robot())
-
-
-def _placement(angles: Array, joint: int) -> pin.SE3:
-    data = _model().createData()
-    pin.forwardKinematics(_model(), data, angles)
+def _placement(model: pin.Model, angles: Array, joint: int) -> pin.SE3:
+    data = model.createData()
+    pin.forwardKinematics(model, data, angles)
     return data.oMi[joint]

@@ -5,8 +5,10 @@ from __future__ import annotations
 from math import ceil
 
 import numpy as np
+import pinocchio as pin
 
-from slidetune.robot.fields.quantity import JOINTS
+from slidetune.robot.arm.known import SHIPPED, arm_named
+from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import PUSH, Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.pull import Pull
@@ -14,11 +16,23 @@ from slidetune.server.live.pull import Pull
 Array = np.ndarray
 
 KICK = (60.0, 60.0, 40.0, 10.0, 5.0, 2.0)
-"""Torque of a kick where none is given in [N m] (*ours*)."""
+"""Torque of a kick of the shipped arm where none is given in [N m] (*ours*)."""
+KICKED = 3.0
+"""Acceleration that a kick gives each joint of another arm in [rad/s^2] or [m/s^2] (*ours*)."""
 ROUNDING = 1e-6
 """Part of a step by which the end of a kick may be off (*ours*)."""
 KICK_DURATION = 0.1
 """How long a kick lasts where nothing is said in [s] (*ours*)."""
+
+
+def usual_kick(packed: Packed) -> Array:
+    """Return the torque in [N m] of a kick where none is given. Shape (n,)."""
+    arm = arm_named(packed.experiment.robot.model)
+    if arm.name == SHIPPED:
+        return np.array(KICK)
+    model = packed.model
+    torque: Array = KICKED * np.diag(pin.crba(model, model.createData(), np.array(arm.home)))
+    return torque
 
 
 class Push:
@@ -30,7 +44,7 @@ class Push:
 
     def clear(self) -> None:
         """Let go."""
-        self._torque = np.zeros(JOINTS)
+        self._torque = np.zeros(())
         self._begin = self._until = -1.0
         self._active = True
 
@@ -64,7 +78,9 @@ class Push:
         model = loop.packed.model
         data = model.createData() if pull is not None else None
         for lane in loop.lanes.values():
-            torque = self._torque.copy() if kicked else np.zeros(JOINTS)
+            torque = np.zeros(loop.packed.joints)
+            if kicked:
+                torque += self._torque
             if pull is not None:
                 torque += pull.grip.torque(model, data, lane.work[Q], pull.force)
             lane.work[PUSH] = torque

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.metrics import follow_torque, unturned
 from slidetune.server.live.telemetry import Channel
 
@@ -23,8 +22,9 @@ _ROUNDING = 1e-9
 """What rounding may do to a time in parts of a period or a span."""
 
 
-def _six() -> Array:
-    return np.zeros(JOINTS)
+def _none() -> Array:
+    """Return nothing yet: what comes first says how many joints there are."""
+    return np.zeros(())
 
 
 @dataclass
@@ -39,13 +39,13 @@ class Sums:
         last: what the last of them stands for in [s]; the rest is between the first and the last.
         jump: way of all joints' torque from the row before in [N m]: only a longer span has it
             inside.
-        error: absolute error by time in [rad s]. Shape (6,).
-        max_error: greatest absolute error in [rad]. Shape (6,).
-        max_velocity_error: greatest absolute velocity error in [rad/s]. Shape (6,).
+        error: absolute error by time in [rad s]. Shape (n,).
+        max_error: greatest absolute error in [rad]. Shape (n,).
+        max_velocity_error: greatest absolute velocity error in [rad/s]. Shape (n,).
         variation: way of all joints' torque from the first row to the last in [N m].
-        reversals: of each joint's torque, each counted at the row that shows it. Shape (6,).
-        peak_torque: greatest absolute torque in [N m]. Shape (6,).
-        squared_torque: squared torque by time in [(N m)^2 s]. Shape (6,).
+        reversals: of each joint's torque, each counted at the row that shows it. Shape (n,).
+        peak_torque: greatest absolute torque in [N m]. Shape (n,).
+        squared_torque: squared torque by time in [(N m)^2 s]. Shape (n,).
         squared_distance: squared distance of the flange by time in [m^2 s].
         max_distance: greatest distance of the flange in [m].
     """
@@ -53,13 +53,13 @@ class Sums:
     time: float = 0.0
     last: float = 0.0
     jump: float = 0.0
-    error: Array = field(default_factory=_six)
-    max_error: Array = field(default_factory=_six)
-    max_velocity_error: Array = field(default_factory=_six)
+    error: Array = field(default_factory=_none)
+    max_error: Array = field(default_factory=_none)
+    max_velocity_error: Array = field(default_factory=_none)
     variation: float = 0.0
-    reversals: Array = field(default_factory=_six)
-    peak_torque: Array = field(default_factory=_six)
-    squared_torque: Array = field(default_factory=_six)
+    reversals: Array = field(default_factory=_none)
+    peak_torque: Array = field(default_factory=_none)
+    squared_torque: Array = field(default_factory=_none)
     squared_distance: float = 0.0
     max_distance: float = 0.0
 
@@ -71,13 +71,13 @@ class Sums:
             self.jump = other.jump
         self.time += other.time
         self.last = other.last
-        self.error += other.error
+        self.error = self.error + other.error
         self.max_error = np.maximum(self.max_error, other.max_error)
         self.max_velocity_error = np.maximum(self.max_velocity_error, other.max_velocity_error)
         self.variation += other.variation
-        self.reversals += other.reversals
+        self.reversals = self.reversals + other.reversals
         self.peak_torque = np.maximum(self.peak_torque, other.peak_torque)
-        self.squared_torque += other.squared_torque
+        self.squared_torque = self.squared_torque + other.squared_torque
         self.squared_distance += other.squared_distance
         self.max_distance = max(self.max_distance, other.max_distance)
 
@@ -91,7 +91,7 @@ class Sums:
             "max_error": self.max_error.tolist(),
             "max_velocity_error": self.max_velocity_error.tolist(),
             "chattering": self.variation / between if between > 0.0 else 0.0,
-            "switches": (self.reversals / between if between > 0.0 else _six()).tolist(),
+            "switches": (self.reversals / (between or np.inf)).tolist(),
             "peak_torque": self.peak_torque.tolist(),
             "flange_rms": float(np.sqrt(self.squared_distance / self.time)),
             "flange_max": self.max_distance,

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
@@ -20,7 +21,7 @@ from slidetune.server.live.goal_watch import GoalWatch
 from slidetune.server.live.live_figures import LiveFigures
 from slidetune.server.live.pacing import TICK, Pacer, come_first
 from slidetune.server.live.pull import Pull
-from slidetune.server.live.push import Push
+from slidetune.server.live.push import Push, usual_kick
 from slidetune.server.live.recorder import Recorder
 from slidetune.server.live.roughness import Roughness
 from slidetune.server.live.telemetry import Channel, Telemetry, rows_of
@@ -195,14 +196,28 @@ class Session:
         self.refuse_if_busy()
         self.ask(lambda: self._reset_lane(name))
 
-    def kick(self, torque: tuple[float, ...], duration: float) -> None:
+    def kick(self, torque: tuple[float, ...] | None, duration: float) -> None:
         """Push the joints of all lanes with ``torque`` [N m] for ``duration`` [s].
 
         Raises:
+            InvalidExperimentError: if the arm has another number of joints.
             SessionBusyError: if as many commands wait as may.
         """
         self.refuse_if_busy()
-        self.ask(lambda: self._push.kick(np.array(torque), self.loop.time, duration))
+        joints = self.loop.packed.joints
+        if torque is not None and len(torque) != joints:
+            text = f"torque must have a number for each of the arm's {joints} joints"
+            raise InvalidExperimentError(
+                [FieldError("torque", f"{text}, got {len(torque)}", list(torque))]
+            )
+
+        def push() -> None:
+            packed = self.loop.packed
+            pushed = usual_kick(packed) if torque is None else np.array(torque)
+            if len(pushed) == packed.joints:  # another arm may have come in between
+                self._push.kick(pushed, self.loop.time, duration)
+
+        self.ask(push)
 
     def fork(self, packed: Packed, revision: int, moment: float, origins: dict[str, str]) -> None:
         """Go back to a recorded moment and continue from there with other lanes.

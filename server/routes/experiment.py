@@ -73,10 +73,11 @@ def experiment_router(app_state: AppState) -> APIRouter:
     async def schema() -> dict[str, Any]:
         """JSON Schema of an experiment with symbols, units and bounds.
 
-        The laws stand in ``x-laws``, the figures of a lane in ``x-figures``, and what else is
-        bounded in ``x-bounds``.
+        It is for the arm of the live document, which stands in ``x-arm``: lists by joint are as
+        long as that has joints. The laws stand in ``x-laws``, the figures of a lane in
+        ``x-figures``, and what else is bounded in ``x-bounds``.
         """
-        return published_schema()
+        return published_schema(app_state.arm)
 
     @router.get("/experiment", response_model=ExperimentAnswer, responses=OR_YAML)
     def read(format: Annotated[Literal["json", "yaml"], Query()] = "json") -> Any:

@@ -1,23 +1,19 @@
 """The arms on the screen: the solid one of the selected lane and a ghost for each other.
 
-Each is a chain of nodes, one in the other, so that a picture costs six rotations an arm.
+Each is a chain of nodes, one in the other, so that a picture costs one rotation a joint.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
 import viser
 
-from slidetune.robot.arm.arm import build_model
-from slidetune.robot.arm.description import LINK_NAMES, MESH_DIR
-from slidetune.robot.arm.section import Payload, Robot
-from slidetune.robot.fields.quantity import JOINTS
-from slidetune.server.scene.ghost_mesh import ghost_mesh
+from slidetune.robot.arm.section import Payload
+from slidetune.server.scene.shape import Shape
 
 Array = np.ndarray
 Color = tuple[int, int, int]
@@ -35,63 +31,51 @@ HIDDEN = 1e-4
 _FLANGE_BAND = (-0.0205, 0.0417, 0.011)
 
 
+Link = viser.GlbHandle | viser.FrameHandle
+"""What moves with a joint: its looks, or a frame where it has none."""
+
+
 class _Node(Protocol):
     wxyz: Array
+    position: Array
     visible: bool
 
 
-@cache
-def _placements() -> tuple[Array, Array]:
-    """Return orientation (wxyz) and position of the joints' frames in their parents' frames.
-
-    Shapes (6, 4) and (6, 3).
-    """
-    model = build_model(Robot())
-    frames = [model.jointPlacements[joint] for joint in range(1, JOINTS + 1)]
-    turned = [pin.Quaternion(frame.rotation).coeffs()[[3, 0, 1, 2]] for frame in frames]
-    return np.array(turned), np.array([frame.translation for frame in frames])
-
-
-def joint_orientations(angles: Array) -> Array:
-    """Return how each link is turned in the frame of the link before it.
-
-    Args:
-        angles: joint angles in [rad]. Shape (n, 6).
-
-    Returns:
-        Unit quaternions wxyz. Shape (n, 6, 4).
-    """
-    w, x, y, z = np.moveaxis(_placements()[0], -1, 0)
-    c, s = np.cos(0.5 * angles), np.sin(0.5 * angles)
-    return np.stack([w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s], axis=-1)
-
-
 class _Arm:
-    """A chain of six turning nodes."""
+    """A chain of moving nodes."""
 
-    def __init__(self, links: Sequence[_Node]) -> None:
-        self._links = links
-        self._posed = np.zeros((JOINTS, 4))
+    def __init__(self, links: Sequence[_Node], slides: Array) -> None:
+        self._links, self._slides = links, slides
+        self._posed: tuple[Array, Array] | None = None
 
-    def pose(self, orientations: Array) -> None:
-        """Turn the joints. Shape of ``orientations`` (6, 4), unit quaternions wxyz."""
-        if np.array_equal(orientations, self._posed):
+    def pose(self, turns: Array, places: Array) -> None:
+        """Move the joints.
+
+        Args:
+            turns: unit quaternions wxyz. Shape (n, 4).
+            places: in the frame of the joint before in [m]. Shape (n, 3).
+        """
+        posed = self._posed
+        if posed and np.array_equal(turns, posed[0]) and np.array_equal(places, posed[1]):
             return
-        self._posed = orientations
-        for link, orientation in zip(self._links, orientations, strict=True):
-            link.wxyz = orientation
+        self._posed = turns, places
+        for link, turn, place, slides in zip(self._links, turns, places, self._slides, strict=True):
+            if slides:
+                link.position = place
+            else:
+                link.wxyz = turn
 
     def show(self, visible: bool) -> None:
         """Show or hide all that moves."""
         self._links[0].visible = visible
 
 
-def _chain(root: str) -> list[tuple[str, str, Array]]:
-    """Return name, link and position of the nodes below ``root``."""
+def _chain(root: str, shape: Shape) -> list[tuple[str, Array, Array]]:
+    """Return name, orientation and position of the nodes below ``root``."""
     nodes, path = [], root
-    for link, position in zip(LINK_NAMES[1:], _placements()[1], strict=True):
-        path = f"{path}/{link}"
-        nodes.append((path, link, position))
+    for number, (turned, position) in enumerate(zip(shape.turned, shape.positions, strict=True), 1):
+        path = f"{path}/{number}"
+        nodes.append((path, turned, position))
     return nodes
 
 
@@ -102,17 +86,34 @@ class SolidArm(_Arm):
         links: the moving ones, in the order of the joints.
     """
 
-    def __init__(self, scene: viser.SceneApi, name: str) -> None:
-        """Add the arm's nodes below ``name``."""
+    def __init__(self, scene: viser.SceneApi, name: str, shape: Shape) -> None:
+        """Add the arm's nodes below ``name``.
 
-        def add(path: str, link: str, position: Array) -> viser.GlbHandle:
-            return scene.add_glb(path, _glb(link), position=position, receive_shadow=False)
+        Args:
+            scene: where to draw.
+            name: of the node of its base.
+            shape: what it looks like.
+        """
 
-        add(name, LINK_NAMES[0], np.zeros(3))
-        chain = _chain(name)
-        self.links = [add(*node) for node in chain]
-        super().__init__(self.links)
-        flange = chain[-1][0]
+        def add(path: str, piece: bytes, turned: Array, position: Array) -> Link:
+            if not piece:
+                return scene.add_frame(path, show_axes=False, wxyz=turned, position=position)
+            return scene.add_glb(path, piece, wxyz=turned, position=position, receive_shadow=False)
+
+        self._base = add(name, shape.pieces[0], np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3))
+        chain = _chain(name, shape)
+        self.links = [
+            add(path, piece, turned, position)
+            for (path, turned, position), piece in zip(chain, shape.pieces[1:], strict=True)
+        ]
+        super().__init__(self.links, shape.slides)
+        flange = f"{chain[-1][0]}/flange"
+        scene.add_frame(
+            flange,
+            show_axes=False,
+            wxyz=pin.Quaternion(shape.flange.rotation).coeffs()[[3, 0, 1, 2]],
+            position=shape.flange.translation,
+        )
         height, radius, thickness = _FLANGE_BAND
         self._band = scene.add_cylinder(
             f"{flange}/band",
@@ -141,6 +142,10 @@ class SolidArm(_Arm):
             visible=False,
         )
 
+    def stand(self, there: bool) -> None:
+        """Let it be in the room, or take it out, its base as well."""
+        self._base.visible = there
+
     def paint(self, color: Color) -> None:
         """Give the band a colour."""
         self._band.color = color
@@ -167,34 +172,28 @@ class SolidArm(_Arm):
 class GhostArm(_Arm):
     """An arm in one translucent colour."""
 
-    def __init__(self, scene: viser.SceneApi, name: str) -> None:
+    def __init__(self, scene: viser.SceneApi, name: str, shape: Shape) -> None:
         """Add the arm's nodes below ``name``, hidden; its base is that of the solid arm."""
         self._skins: list[viser.MeshHandle] = []
-        for path, link, position in _chain(name):
-            vertices, faces = ghost_mesh(link)
+        for (path, turned, position), ghost in zip(_chain(name, shape), shape.ghosts, strict=True):
             skin = scene.add_mesh_simple(
                 path,
-                vertices,
-                faces,
+                *ghost,
                 opacity=GHOST_OPACITY,
                 material="toon5",
                 cast_shadow=False,
                 receive_shadow=False,
+                wxyz=turned,
                 position=position,
             )
             self._skins.append(skin)
-        super().__init__(self._skins)
+        super().__init__(self._skins, shape.slides)
         self.show(False)
 
     def paint(self, color: Color) -> None:
         """Give the whole ghost a colour."""
         for skin in self._skins:
             skin.color = color
-
-
-@cache
-def _glb(link: str) -> bytes:
-    return (MESH_DIR / f"{link}.glb").read_bytes()
 
 
 def payload_radius(mass: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slidetune.robot.arm.arm import flange_positions, shipped_places
+from slidetune.robot.arm.arm import flange_positions
 
 Array = np.ndarray
 
@@ -18,12 +18,12 @@ def exaggerated_angles(q_d: Array, q: Array, factor: float) -> Array:
     A deviation is stretched up to half a turn; one that is larger by itself is left as it is.
 
     Args:
-        q_d: desired angles in [rad]. Shape (..., 6).
-        q: true angles in [rad]. Shape (..., 6).
+        q_d: desired angles in [rad]. Shape (..., m).
+        q: true angles in [rad]. Shape (..., m).
         factor: how many times the deviation is drawn, at least 1.
 
     Returns:
-        Angles in [rad]. Shape (..., 6).
+        Angles in [rad]. Shape (..., m).
     """
     deviation = q - q_d
     widest = np.maximum(WIDEST, np.abs(deviation))
@@ -32,7 +32,7 @@ def exaggerated_angles(q_d: Array, q: Array, factor: float) -> Array:
 
 
 def exaggerated_positions(
-    desired: Array, actual: Array, q_d: Array, q: Array, factor: float
+    desired: Array, actual: Array, q_d: Array, q: Array, factor: float, places: Array
 ) -> Array:
     """Return where the flange of the drawn arm was.
 
@@ -42,15 +42,16 @@ def exaggerated_positions(
     Args:
         desired: desired flange positions in [m]. Shape (n, 3).
         actual: true flange positions in [m]. Shape (n, 3).
-        q_d: desired angles at the same instants in [rad]. Shape (n, 6).
-        q: true angles at the same instants in [rad]. Shape (n, 6).
+        q_d: desired angles at the same instants in [rad]. Shape (n, m).
+        q: true angles at the same instants in [rad]. Shape (n, m).
         factor: how many times the deviation is drawn, at least 1.
+        places: the arm for ``flange_positions``.
 
     Returns:
         Positions in [m]. Shape (n, 3).
     """
     if factor == 1.0:
         return actual
-    drawn = flange_positions(exaggerated_angles(q_d, q, factor), shipped_places())
-    positions: Array = desired + drawn - flange_positions(q_d, shipped_places())
+    drawn = flange_positions(exaggerated_angles(q_d, q, factor), places)
+    positions: Array = desired + drawn - flange_positions(q_d, places)
     return positions

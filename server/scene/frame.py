@@ -30,8 +30,8 @@ class SceneFrame:
     """What one picture shows.
 
     Attributes:
-        q_d: desired angles now in [rad]. Shape (6,).
-        q: angles of each lane now in [rad]. Shapes (6,).
+        q_d: desired angles now in [rad]. Shape (n,).
+        q: angles of each lane now in [rad]. Shapes (n,).
         frozen: names of the lanes that have stopped.
         desired_path: desired flange positions since the last frame in [m]. Shape (k, 3).
         paths: true flange positions of each lane since the last frame in [m]. Shapes (k, 3).
@@ -53,14 +53,18 @@ class ShownLane:
 
     Attributes:
         trail: where its flange has been.
-        q_d: desired angles in the last picture in which it moved in [rad]. Shape (6,).
-        q: its angles then in [rad]. Shape (6,).
+        q_d: desired angles in the last picture in which it moved in [rad]. Shape (n,).
+        q: its angles then in [rad]. Shape (n,).
         frozen: whether it has stopped.
     """
 
-    def __init__(self) -> None:
-        """Know nothing yet."""
-        self.trail = Trail()
+    def __init__(self, places: Array) -> None:
+        """Know nothing yet.
+
+        Args:
+            places: its arm for ``flange_positions``.
+        """
+        self.trail = Trail(places)
         self.q_d: Array | None = None
         self.q: Array | None = None
         self.frozen = False

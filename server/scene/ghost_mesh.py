@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache
+import io
 
 import numpy as np
 import trimesh
-
-from slidetune.robot.arm.description import MESH_DIR
 
 Array = np.ndarray
 
@@ -16,21 +14,24 @@ COARSE = 0.009
 INSET = 0.0015
 """How far a ghost's skin lies under the arm's in [m] (*ours*): where both are in one place, the
 ghost stays inside instead of flickering through."""
+NOTHING = (1e-4 * np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], dtype=np.uint32))
+"""What stands for a piece that isn't drawn: a triangle that is too small to be seen."""
 CREASE = 0.7
 """Angle in [rad] from which an edge of a ghost is drawn as one (*ours*)."""
 
 
-@cache
-def ghost_mesh(link: str) -> tuple[Array, Array]:
-    """Return a link's mesh as one coarse surface under the skin of the link.
+def ghost_mesh(piece: bytes) -> tuple[Array, Array]:
+    """Return a piece of an arm as one coarse surface under its skin.
 
     Args:
-        link: a name of ``robot.arm.description.LINK_NAMES``.
+        piece: its GLB, empty for nothing.
 
     Returns:
         Vertices in [m] and faces. Shapes (n, 3) and (m, 3).
     """
-    vertices, normals, faces = _surface(link)
+    if not piece:
+        return NOTHING
+    vertices, normals, faces = _surface(piece)
     cells, cell = np.unique(np.floor(vertices / COARSE), axis=0, return_inverse=True)
     cell = cell.reshape(-1)
     places, outward = np.zeros_like(cells), np.zeros_like(cells)
@@ -44,9 +45,9 @@ def ghost_mesh(link: str) -> tuple[Array, Array]:
     return np.asarray(crisp.vertices, dtype=np.float32), np.asarray(crisp.faces, dtype=np.uint32)
 
 
-def _surface(link: str) -> tuple[Array, Array, Array]:
-    """Return vertices, their normals and faces of all parts of a link together."""
-    loaded = trimesh.load_scene(MESH_DIR / f"{link}.glb", process=False)
+def _surface(piece: bytes) -> tuple[Array, Array, Array]:
+    """Return vertices, their normals and faces of all parts of a piece together."""
+    loaded = trimesh.load_scene(io.BytesIO(piece), file_type="glb", process=False)
     parts = [part for part in loaded.geometry.values() if isinstance(part, trimesh.Trimesh)]
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     faces = [part.faces + start for part, start in zip(parts, starts, strict=False)]

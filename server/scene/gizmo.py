@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import viser
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.server.live.pull import Grip, Pull, flange_grip, grip_at
+from slidetune.server.scene.arm import Link
+from slidetune.server.scene.shape import Shape
 
 Array = np.ndarray
 
@@ -31,6 +32,15 @@ HANDLE_SIZE = 80.0
 """Length of the handle's axes in [px] (*ours*), however far away it is."""
 HANDLE_WIDTH = 4.0
 """Width of its lines in [px] (*ours*); what takes the pointer is several times as wide."""
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """The arm that can be taken: what it is, its flange, and the angles that it is drawn with."""
+
+    shape: Shape
+    flange: Grip
+    angles: Array
 
 
 @dataclass(frozen=True)
@@ -67,21 +77,18 @@ class Gizmo:
     """
 
     def __init__(
-        self,
-        viewer: viser.ViserServer,
-        links: Sequence[viser.GlbHandle] = (),
-        clock: Callable[[], float] = time.monotonic,
+        self, viewer: viser.ViserServer, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Add the handle and its arrow, and let the links be dragged with Shift.
+        """Add the handle and its arrow.
 
         Args:
             viewer: where.
-            links: the moving links of the arm, in the order of the joints.
             clock: says the time in [s].
         """
         self._clock = clock
         self._flange = np.zeros(3)
-        self._angles = np.zeros(JOINTS)
+        self._arm: _Taken | None = None
+        self._joints: dict[str, int] = {}
         self._hold: _Hold | None = None
         self._handle = viewer.scene.add_transform_controls(
             "/pull",
@@ -102,18 +109,31 @@ class Gizmo:
             visible=False,
         )
         self._handle.on_update(self._handle_dragged)
-        self._joints = {link.name: joint for joint, link in enumerate(links, 1)}
-        for link in links:
-            link.on_drag("left", modifier="shift")(self._link_dragged)
+
+    def take(self, shape: Shape, links: Sequence[Link]) -> None:
+        """Hold another arm, whose links can be dragged with Shift.
+
+        Args:
+            shape: the arm.
+            links: what moves with its joints, in their order.
+        """
+        self._hold = None
+        self._arm = _Taken(shape, flange_grip(shape.model, shape.tip), np.zeros(shape.joints))
+        for joint, link in enumerate(links, 1):
+            if link.name not in self._joints and isinstance(link, viser.GlbHandle):
+                link.on_drag("left", modifier="shift")(self._link_dragged)
+            self._joints[link.name] = joint
 
     def follow(self, flange: Array, angles: Array) -> None:
         """Move the handle to the flange unless somebody holds it, and draw the pull.
 
         Args:
             flange: where the flange is drawn in [m]. Shape (3,).
-            angles: the joint angles that the arm is drawn with in [rad]. Shape (6,).
+            angles: the joint angles that the arm is drawn with in [rad]. Shape (n,).
         """
-        self._flange, self._angles = flange, angles
+        self._flange = flange
+        if self._arm is not None:
+            self._arm = replace(self._arm, angles=angles)
         hold, force = self._held()
         if hold is None or hold.grip is not None:
             self._handle.position = flange
@@ -127,7 +147,9 @@ class Gizmo:
     def pull(self) -> Pull | None:
         """Return the force in [N] and where it acts while somebody holds the arm, else ``None``."""
         hold, force = self._held()
-        return None if hold is None else Pull(hold.grip or flange_grip(), force)
+        if hold is None or self._arm is None:
+            return None
+        return Pull(hold.grip or self._arm.flange, force)
 
     def _held(self) -> tuple[_Hold | None, Array]:
         hold = self._hold
@@ -136,7 +158,9 @@ class Gizmo:
         return hold, spring_force(hold.target, self._place(hold))
 
     def _place(self, hold: _Hold) -> Array:
-        return self._flange if hold.grip is None else hold.grip.place(self._angles)
+        if hold.grip is None or self._arm is None:
+            return self._flange
+        return hold.grip.place(self._arm.shape.model, self._arm.angles)
 
     async def _handle_dragged(self, event: viser.TransformControlsEvent) -> None:
         target = _believed(event.target.position)
@@ -145,11 +169,13 @@ class Gizmo:
     async def _link_dragged(self, event: viser.SceneNodeDragEvent[viser.GlbHandle]) -> None:
         start, target = _believed(event.start_position), _believed(event.end_position)
         hold, _ = self._held()
-        joint = self._joints[event.target.name]
+        joint, arm = self._joints[event.target.name], self._arm
         # Taken once: where the link is by then, only the browser that draws it knows.
         held = hold and hold.client == event.client_id and hold.grip
         if event.phase == "start" or not held or held.joint != joint:
-            held = None if start is None else grip_at(joint, start, self._angles)
+            held = None
+            if arm is not None and start is not None and joint <= arm.shape.joints:
+                held = grip_at(arm.shape.model, joint, start, arm.angles)
         self._move(event.client_id, event.phase, held, target if held else None)
 
     def _move(

@@ -11,20 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidetune.robot.arm.arm import flange_positions, shipped_places
-from slidetune.robot.arm.description import LINK_NAMES
+from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.arm.section import Robot
 from slidetune.server.live.pull import Pull
-from slidetune.server.scene.arm import GhostArm, SolidArm, joint_orientations
+from slidetune.server.scene.arm import GhostArm, SolidArm
 from slidetune.server.scene.desired_path import DesiredPath
 from slidetune.server.scene.exaggeration import exaggerated_angles
 from slidetune.server.scene.frame import LaneStyle, SceneFrame, ShownLane
-from slidetune.server.scene.ghost_mesh import ghost_mesh
 from slidetune.server.scene.gizmo import Gizmo
 from slidetune.server.scene.lock import lock_scene
 from slidetune.server.scene.response_paths import ResponsePaths
+from slidetune.server.scene.shape import Shape, shape_of
 from slidetune.server.scene.trails import TrailLine
-from slidetune.server.scene.viewer import GREY, close_viewer, open_viewer
+from slidetune.server.scene.viewer import GREY, close_viewer, look_at_arm, open_viewer
 
 __all__ = ["LaneStyle", "Scene", "SceneFrame"]
 
@@ -41,11 +41,21 @@ LABEL = (0.5, -0.42, -0.75)
 
 
 @dataclass
-class _Slot:
-    """One lane's nodes; they have numbers for names, so that renaming a lane makes no new ones."""
+class _Standing:
+    """The nodes of an arm, which stay when another one is shown in its place.
 
-    ghost: GhostArm
-    line: TrailLine
+    Attributes:
+        shape: what it looks like.
+        root: name of the nodes above its own.
+        solid: the arm of the selected lane.
+        ghosts: those of the lanes; they have numbers for names, so that renaming a lane makes no
+            new ones.
+    """
+
+    shape: Shape
+    root: str
+    solid: SolidArm
+    ghosts: list[GhostArm]
 
 
 class Scene:
@@ -63,10 +73,12 @@ class Scene:
         """
         self._viewer = open_viewer(port)
         self.port = self._viewer.get_port()
-        self._arm = SolidArm(self._viewer.scene, "/arm")
+        self._arms: dict[str, _Standing] = {}
+        self._arm = self._new_arm(SHIPPED)
         self._desired = DesiredPath(self._viewer.scene, "/desired")
         self._responses = ResponsePaths(self._viewer.scene, "/response")
-        self._gizmo = Gizmo(self._viewer, self._arm.links)
+        self._gizmo = Gizmo(self._viewer)
+        self._gizmo.take(self._arm.shape, self._arm.solid.links)
         self._label = self._viewer.scene.add_label(
             "/label",
             "",
@@ -75,9 +87,7 @@ class Scene:
             font_screen_scale=1.3,
             visible=False,
         )
-        for link in LINK_NAMES[1:]:
-            ghost_mesh(link)  # now, and not on the session's thread when the first lane comes
-        self._slots: list[_Slot] = []
+        self._lines: list[TrailLine] = []
         self._styles: tuple[LaneStyle, ...] = ()
         self._selected = ""
         self._lanes: dict[str, ShownLane] = {}
@@ -93,15 +103,23 @@ class Scene:
         Args:
             lanes: the lanes in order.
             selected: name of the lane whose arm is solid.
-            robot: the arm; its payload is drawn.
+            robot: the arm and its payload; its looks are known, see ``shape_of``, or take long.
             desired_loop: the desired flange path over the horizon in [m]. Shape (m, 3).
         """
         self._styles, self._selected = tuple(lanes), selected
-        self._lanes = {lane.name: self._lanes.get(lane.name) or ShownLane() for lane in lanes}
         with self._viewer.atomic():
-            while len(self._slots) < len(lanes):
-                self._slots.append(self._new_slot(len(self._slots)))
-            self._arm.carry(robot.payload)
+            if robot.model != self._arm.shape.name:
+                self._change_arm(robot.model)
+            self._lanes = {
+                lane.name: self._lanes.get(lane.name) or self._new_lane() for lane in lanes
+            }
+            scene, arm = self._viewer.scene, self._arm
+            while len(self._lines) < len(lanes):
+                self._lines.append(TrailLine(scene, f"/trail_{len(self._lines)}"))
+            while len(arm.ghosts) < len(lanes):
+                root = f"{arm.root}ghost_{len(arm.ghosts)}"
+                arm.ghosts.append(GhostArm(scene, root, arm.shape))
+            arm.solid.carry(robot.payload)
             self._desired.draw(desired_loop)
 
     def view(self, exaggeration: float, ghosts: bool) -> None:
@@ -151,7 +169,7 @@ class Scene:
     def clear_trail(self, name: str) -> None:
         """Forget where one lane's flange has been."""
         if name in self._lanes:
-            self._lanes[name] = ShownLane()
+            self._lanes[name] = self._new_lane()
 
     def pull(self) -> Pull | None:
         """Return how somebody pulls at the arm, or ``None``. Safe to call from any thread."""
@@ -165,29 +183,51 @@ class Scene:
         """Stop Viser and its threads."""
         close_viewer(self._viewer)
 
-    def _new_slot(self, number: int) -> _Slot:
-        scene = self._viewer.scene
-        return _Slot(GhostArm(scene, f"/ghost_{number}"), TrailLine(scene, f"/trail_{number}"))
+    def _new_lane(self) -> ShownLane:
+        return ShownLane(self._arm.shape.places)
+
+    def _new_arm(self, name: str) -> _Standing:
+        shape = shape_of(name)
+        root = f"/arms/{len(self._arms)}/" if self._arms else "/"
+        self._arms[name] = _Standing(
+            shape, root, SolidArm(self._viewer.scene, f"{root}arm", shape), []
+        )
+        return self._arms[name]
+
+    def _change_arm(self, name: str) -> None:
+        """Show another arm, with nothing of what was before."""
+        self._arm.solid.stand(False)
+        for ghost in self._arm.ghosts:
+            ghost.show(False)
+        self._arm = self._arms.get(name) or self._new_arm(name)
+        self._arm.solid.stand(True)
+        self._gizmo.take(self._arm.shape, self._arm.solid.links)
+        look_at_arm(self._viewer, self._arm.shape)
+        self._lanes, self._painted = {}, ()
 
     def _paint(self) -> None:
         """Give every node its colour and decide what is seen, when something of it has changed."""
         lanes = tuple(self._lanes.values())
         frozen = tuple(lane.frozen for lane in lanes)
-        painted = (self._styles, self._selected, frozen, self._ghosts, len(self._slots))
+        painted = (self._styles, self._selected, frozen, self._ghosts, len(self._lines))
         if painted == self._painted:
             return
         self._painted = painted
-        for slot in self._slots[len(self._styles) :]:
-            slot.ghost.show(False)
-            slot.line.hide()
-        for slot, style, lane in zip(self._slots, self._styles, lanes, strict=False):
+        arm = self._arm
+        for ghost in arm.ghosts[len(self._styles) :]:
+            ghost.show(False)
+        for line in self._lines[len(self._styles) :]:
+            line.hide()
+        for ghost, line, style, lane in zip(
+            arm.ghosts, self._lines, self._styles, lanes, strict=False
+        ):
             chosen, color = style.name == self._selected, _rgb(style.color)
-            slot.ghost.paint(FROZEN if lane.frozen else color)
-            slot.ghost.show(self._seen(lane, chosen))
-            slot.line.style(color, GREY, WIDTH_SELECTED if chosen else WIDTH_OTHERS)
+            ghost.paint(FROZEN if lane.frozen else color)
+            ghost.show(self._seen(lane, chosen))
+            line.style(color, GREY, WIDTH_SELECTED if chosen else WIDTH_OTHERS)
             if chosen:
-                self._arm.show(not lane.frozen)
-                self._arm.paint(color)
+                arm.solid.show(not lane.frozen)
+                arm.solid.paint(color)
 
     def _draw(self, q_d: Array, past: bool) -> None:
         known = [(i, lane) for i, lane in enumerate(self._lanes.values()) if lane.q is not None]
@@ -195,19 +235,19 @@ class Scene:
             return
         desired = np.array([lane.q_d for _, lane in known])
         angles = exaggerated_angles(desired, np.array([lane.q for _, lane in known]), self._factor)
-        flanges = flange_positions(np.vstack([angles, q_d]), shipped_places())
+        arm = self._arm
+        flanges = flange_positions(np.vstack([angles, q_d]), arm.shape.places)
         self._desired.mark(flanges[-1])
-        turned = joint_orientations(angles)
-        shown = zip(known, angles, flanges, turned, strict=False)
-        for (i, lane), drawn, flange, orientations in shown:
+        shown = zip(known, angles, flanges, *arm.shape.poses(angles), strict=False)
+        for (i, lane), drawn, flange, turns, places in shown:
             chosen = self._styles[i].name == self._selected
             lane.trail.stretch_to(self._factor)
-            self._slots[i].line.show(lane.trail, lane.trail.points[-1] if past else flange)
+            self._lines[i].show(lane.trail, lane.trail.points[-1] if past else flange)
             if chosen:
-                self._arm.pose(orientations)
+                arm.solid.pose(turns, places)
                 self._gizmo.follow(flange, drawn)
             if self._seen(lane, chosen):
-                self._slots[i].ghost.pose(orientations)
+                arm.ghosts[i].pose(turns, places)
 
     def _seen(self, lane: ShownLane, chosen: bool) -> bool:
         """Return whether a lane has a ghost: the selected one only once it has stopped."""

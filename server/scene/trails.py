@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.server.scene.exaggeration import exaggerated_positions
 
 Array = np.ndarray
@@ -25,8 +24,8 @@ class Stretch:
     Attributes:
         desired: desired flange positions in [m]. Shape (k, 3).
         actual: true flange positions in [m]. Shape (k, 3).
-        q_d: desired angles in the last picture and in this one in [rad]. Shape (2, 6).
-        q: true angles in the last picture and in this one in [rad]. Shape (2, 6).
+        q_d: desired angles in the last picture and in this one in [rad]. Shape (2, n).
+        q: true angles in the last picture and in this one in [rad]. Shape (2, n).
         period: time between the rows in [s].
     """
 
@@ -46,13 +45,18 @@ class Trail:
         empty: whether there is none.
     """
 
-    def __init__(self) -> None:
-        """Begin without points."""
+    def __init__(self, places: Array) -> None:
+        """Begin without points.
+
+        Args:
+            places: the arm for ``flange_positions``. Shape (n + 1, 13).
+        """
+        self._places = places
         self.points = np.zeros((POINTS, 3))
         self._desired = np.zeros((POINTS, 3))
         self._actual = np.zeros((POINTS, 3))
-        self._q_d = np.zeros((POINTS, JOINTS))
-        self._q = np.zeros((POINTS, JOINTS))
+        self._q_d = np.zeros((POINTS, len(places) - 1))
+        self._q = np.zeros((POINTS, len(places) - 1))
         self._factor = 1.0
         self.clear()
 
@@ -82,7 +86,7 @@ class Trail:
         rings = (self._desired, self._actual, self._q_d, self._q)
         for ring, values in zip(rings, new, strict=True):
             self._append(ring, values)
-        self._append(self.points, exaggerated_positions(*new, factor))
+        self._append(self.points, exaggerated_positions(*new, factor, self._places))
         self.empty = False
 
     def _chosen(self, count: int, period: float) -> Array:
@@ -103,7 +107,7 @@ class Trail:
         if factor != self._factor:
             self._factor = factor
             rings = (self._desired, self._actual, self._q_d, self._q)
-            self.points[:] = exaggerated_positions(*rings, factor)
+            self.points[:] = exaggerated_positions(*rings, factor, self._places)
 
 
 class TrailLine:

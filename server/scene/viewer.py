@@ -9,19 +9,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
+import numpy as np
 import rich
 import viser
+
+from slidetune.robot.arm.known import SHIPPED
+from slidetune.server.scene.shape import Shape
 
 CAMERA = (2.25, -1.85, 1.05)
 """Where the camera stands at first in [m] (*ours*)."""
 LOOK_AT = (0.1, 0.0, 0.08)
 """What it looks at in [m] (*ours*): the middle of what the arm reaches."""
+REACH = 1.1
+"""Reach in [m] of the arm for which that holds (*ours*): a larger one is seen from farther away."""
 FIELD_OF_VIEW = 0.72
 """Vertical field of view in [rad] (*ours*)."""
 
 PEDESTAL = 0.75
 """Height of the arm's base above the floor in [m] (*ours*): the paper's sine dips 0.53 m below
 the base."""
+LEAST = 0.6
+"""Share of that distance from which a small arm is seen at least (*ours*): with its room."""
 FLOOR = 2.6
 """Radius at which the floor has faded away in [m] (*ours*)."""
 PEDESTAL_COLOR = (126, 131, 139)
@@ -73,6 +81,17 @@ def close_viewer(viewer: Viewer) -> None:
     """Stop a viewer and its threads."""
     with _hushed():
         viewer.stop()
+
+
+def look_at_arm(viewer: Viewer, shape: Shape) -> None:
+    """Let a browser that comes see the whole of an arm."""
+    if shape.name == SHIPPED:
+        viewer.initial_camera.position, viewer.initial_camera.look_at = CAMERA, LOOK_AT
+        return
+    middle = shape.shoulder
+    away = max(shape.reach / REACH, LEAST) * (np.array(CAMERA) - np.array(LOOK_AT))
+    viewer.initial_camera.position = middle + away
+    viewer.initial_camera.look_at = middle
 
 
 def _renumber(viewer: Viewer) -> None:

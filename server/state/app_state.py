@@ -13,7 +13,7 @@ from typing import Any
 from slidetune.robot import __version__
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.margins.margin import loop_margin
 from slidetune.server.compute.cluster import cluster_executor
 from slidetune.server.compute.executor import LocalExecutor
@@ -26,7 +26,6 @@ from slidetune.server.live.telemetry import Telemetry
 from slidetune.server.scene.feed import SceneFeed
 from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
-from slidetune.server.state.drawn_arm import pack_drawn
 from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 from slidetune.server.state.probation import Probation
@@ -87,7 +86,7 @@ class AppState:
             scheduler: address of the cluster that makes the runs of studies; this machine without.
             law_files: files of laws of one's own, whose laws have been taken.
         """
-        packed = pack_drawn(experiment)
+        packed = pack(experiment)
         self.colors = LaneColors()
         self.colors.assign(list(packed.gains))
         self.view = SceneFeed(Scene(), self.colors)
@@ -158,6 +157,11 @@ class AppState:
             self.document.experiment.lane(lane)
             self.session.reset_lane(lane)
 
+    @property
+    def arm(self) -> str:
+        """Name of the arm that the live experiment is about."""
+        return self.document.experiment.robot.model
+
     def health(self) -> dict[str, Any]:
         """Return version, uptime, state, and whether whole runs are compiled."""
         return {
@@ -201,7 +205,7 @@ class AppState:
             "type": "laws",
             "laws": law_infos(),
             "law_files": self.law_files.documents(),
-            "schema": published_schema() if with_schema else None,
+            "schema": published_schema(self.arm) if with_schema else None,
             "baseline": self.document.baseline.document() if with_schema else None,
         }
 

@@ -10,13 +10,12 @@ from typing import Any
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
-from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.law_files.fitted import fitted
 from slidetune.robot.laws import register
 from slidetune.robot.laws.law import Law
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
-from slidetune.server.state.drawn_arm import pack_drawn
 
 Listener = Callable[["Change"], None]
 
@@ -103,7 +102,7 @@ class Document:
             before, beginning = self.experiment.document(), self.baseline.document()
             register(law)
             document, left_out = fitted(before, law)
-            packed = pack_drawn(Experiment.from_document(document))
+            packed = pack(Experiment.from_document(document))
             self.baseline = Experiment.from_document(fitted(beginning, law)[0])
             patch = difference(before, packed.experiment.document())
             change = replace(self._accept(packed, patch, "", None), law=True)
@@ -122,7 +121,7 @@ class Document:
             InvalidExperimentError: if the arm can't follow its trajectory; nothing is changed.
         """
         with self._lock:
-            packed = pack_drawn(experiment)
+            packed = pack(experiment)
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, None, author, None)
             self.baseline, self.preset = experiment, preset
@@ -148,7 +147,7 @@ class Document:
         """
         with self._lock:
             patch = self._variant(origin, name, gains)
-            packed = pack_drawn(self.experiment.patched(patch))
+            packed = pack(self.experiment.patched(patch))
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, patch, author, None)
             self._session.fork(packed, change.revision, moment, {name: origin})
@@ -194,11 +193,15 @@ class Document:
         self, patch: Mapping[str, Any], author: str, request: Any, origins: dict[str, str] | None
     ) -> Change:
         self._session.refuse_if_busy()
-        packed = pack_drawn(self.experiment.patched(patch))
+        packed = pack(self.experiment.patched(patch))
         self._colors.assign(list(packed.gains))
         self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
+        other_arm = packed.experiment.robot.model != self.experiment.robot.model
         change = self._accept(packed, patch, author, request)
-        self._session.adopt(packed, change.revision, origins)
+        if other_arm:  # whose states and weights are nothing to this one
+            self._session.load(packed, change.revision)
+        else:
+            self._session.adopt(packed, change.revision, origins)
         self._tell(change)
         return change
 

@@ -7,7 +7,7 @@
  * (an `error` also carries the refused `patch`); `frame`: a {@link Frame};
  * `connection`: whether connected, and if not why and for how long; `select`: the lane's name;
  * `saved`: the preset's name, its experiment being the baseline now; `moving`: whether a control
- * is on its way; by key `joint`: 1 to 6, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
+ * is on its way; by key `joint`: from 1, toggled, and `cursor`: `A` or `B`, to be set; `learn`:
  * open the lessons; `edits`: open the list of edits; `home`: put the camera back; `show`: the `tab`
  * of the live plots to be seen, or another `view` of the right column; `group`: the key of a group of
  * the left column to be opened; `bound`: draw a goal in the plots of the response; `goal`: open the

@@ -11,7 +11,7 @@ export const WATCH_ONLY = 'You are watching: this address shows the live session
 export const RUNS_ARE_THE_OWNERS = 'Only the owner’s page can start runs.';
 
 /** Whose keys work: joints, cursors, the camera, the list of edits and that of keys. */
-const KEYS = new Set(['1', '2', '3', '4', '5', '6', 'a', 'b', 'h', 'v', '?']);
+const KEYS = new Set([...'123456789', 'a', 'b', 'h', 'v', '?']);
 /** What would change something. What makes no sense while watching is hidden by watch_only.css. */
 const CONTROLS = [
   ':is(.gains, .sections) :is(input, select, textarea, button:not(.disclosure))',

@@ -35,7 +35,7 @@ export class JointsControl extends Control {
    */
   constructor(field, context) {
     super(field, context);
-    const names = NAMES[field.length] ?? numbered(field.length);
+    const names = (field.perJoint ? null : NAMES[field.length]) ?? numbered(field.length);
     this.#all = this.#pair(this.name, (value) => (
       this.#shares ? scaled(this.#shares, value, this.field) : value
     ), this.id);
@@ -109,13 +109,13 @@ export class JointsControl extends Control {
     this.#all.box.hidden = !common;
     this.#summary.hidden = !mixed || this.field.kind === 'vector';
     this.#values.hidden = !mixed;
-    this.#values.textContent = mixed ? shortened(this.current) : '';
+    this.#values.textContent = mixed ? shortened(this.current, this.field) : '';
     this.#unit.textContent = off ? '' : this.field.unit;
     this.#merge.title = mixed ? `All joints as J1: ${this.inText(this.current[0])}` : '';
     if (off) this.#open(false);
   }
 
-  get #part() { return PARTS[this.field.length] ?? 'joint'; }
+  get #part() { return (this.field.perJoint ? null : PARTS[this.field.length]) ?? 'joint'; }
 
   /**
    * @param {string} name
@@ -165,8 +165,11 @@ function at(value, index, field) {
   return value ?? field.maximum;
 }
 
-/** @param {number[]} values */
-function shortened(values) {
+/**
+ * @param {number[]} values
+ * @param {Field} field
+ */
+function shortened(values, {perJoint}) {
   const texts = values.map((value) => written(Number(value.toPrecision(3))));
-  return texts.join(PARTS[values.length] === 'end' ? ' to ' : '  ');
+  return texts.join(!perJoint && PARTS[values.length] === 'end' ? ' to ' : '  ');
 }

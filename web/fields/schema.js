@@ -207,6 +207,7 @@ function field(path, node, shapes) {
     integer: shapes.some((shape) => shape.type === 'integer'),
     nullable: shapes.some((shape) => shape.type === 'null'),
     length: list?.maxItems ?? 1,
+    perJoint: list?.per_joint === true,
     options,
     default: node.default,
     usual: node.usual ?? null,

@@ -1,6 +1,7 @@
 // @ts-check
 /** What the tables of figures show: their columns, and how their numbers are written. */
 
+import {JOINTS, unitAt} from '../api/arm.js';
 import {FIGURES, figureOf} from './figure.js';
 import {written} from '../fields/quantity.js';
 
@@ -26,7 +27,6 @@ import {written} from '../fields/quantity.js';
 const DIGITS = 3;
 const LEAST_PLAIN = 1e-3;
 const GREATEST_PLAIN = 1e6;
-const JOINTS = [1, 2, 3, 4, 5, 6];
 const FIRST_JOINTS = 3;
 const [GAMMA, LIMIT, RADIUS] = ['gamma', 'gamma_limit', 'radius'].map(figureOf);
 
@@ -60,7 +60,8 @@ function columnsOf(figure) {
  * @returns {Column}
  */
 function jointColumn(figure, joint) {
-  const {name, short, shown_unit: unit, meaning, factor} = figure;
+  const {name, short, meaning, factor} = figure;
+  const unit = unitAt(figure.shown_unit, joint);
   return {
     id: `${name}${joint}`, figure, title: `${short} J${joint}`, unit, of: joint,
     meaning: `${meaning} of joint ${joint}.`, extra: joint > FIRST_JOINTS,

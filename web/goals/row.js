@@ -1,6 +1,7 @@
 // @ts-check
 /** One goal in the list: its words, which are moved with the arrow keys, and every lane's ratio. */
 
+import {JOINTS} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {isWatching} from '../api/watch_only.js';
 import {boundedBy, goalWords, ratioText} from './words.js';
@@ -13,7 +14,6 @@ import {boundedBy, goalWords, ratioText} from './words.js';
  *   verdicts: (Verdict|null)[]}} Shown `verdicts` of the lanes, in their order
  */
 
-const JOINTS = 6;
 /** Of a bound, by one key press; ten of them with Shift or a page key. Ours. */
 const SHARE = 0.02;
 const WIDE = 10;
@@ -147,7 +147,7 @@ function otherPriority(goal) { return goal?.priority === 'hard' ? 'soft' : 'hard
 
 /** @returns {HTMLOptionElement[]} every joint, or one of them */
 export function jointOptions() {
-  return Array.from({length: JOINTS + 1}, (_, joint) => (
+  return [0, ...JOINTS].map((joint) => (
     element('option', {value: joint}, joint ? `joint ${joint}` : 'every joint')
   ));
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** What lies along a slider's track: the whole run's figure at twenty positions of one gain. */
 
+import {jointCount} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {bestOf, cellsOf, drawStrip, placeOf} from './heat_drawing.js';
 import {withUnit} from '../fields/quantity.js';
@@ -180,7 +181,7 @@ export class Strip {
     if (row.state === 'refused') return `${value}: refused, ${row.reason}`;
     if (row.state === 'diverged' || figure === null) return `${value}: diverges`;
     const chatters = row.state === 'chattering' ? ', chatters' : '';
-    const mean = metric.reduced === 'mean' ? ', mean of six joints' : '';
+    const mean = metric.reduced === 'mean' ? `, mean of ${jointCount()}` : '';
     return `${value}: ${figureText(metric, figure)}${mean}${chatters}`;
   }
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** The lenses: the selected lane's whole response, looked at so that it explains itself. */
 
+import {JOINTS} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {ChatteringLens} from './chattering.js';
 import {keyOf} from '../fields/response_key.js';
@@ -17,7 +18,6 @@ import {isWatching, ownersLast} from '../api/watch_only.js';
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('../page/right_panel.js').Desk} Desk */
 
-const JOINTS = [1, 2, 3, 4, 5, 6];
 /** Least time between two looks, and between two moves of the live point, in [ms]. */
 const LEAST_MS = 500;
 

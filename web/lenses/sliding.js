@@ -44,7 +44,7 @@ export class SlidingLens {
     }, fit, this.#plane.element);
     this.#energyCard = new LensCard({
       title: 'Does V fall?', equation: 'Eq. 23, first term',
-      words: 'V = ½ SᵀMS measures how far all six joints together are from S = 0. Where '
+      words: 'V = ½ SᵀMS measures how far all joints together are from S = 0. Where '
         + 'dV/dt > 0, the motion and the disturbance outrun the controller.',
     }, this.#energy.element);
     this.element = [this.#planeCard.element, this.#energyCard.element];

@@ -1,12 +1,12 @@
 // @ts-check
 /** What the live session shows for a figure that a lesson quotes, over the same window. */
 
+import {JOINTS} from '../api/arm.js';
 import {amplitudeSpectrum} from '../curves/spectrum.js';
 
 /** @typedef {import('../api/lesson_document.js').LessonFigure} Figure */
 /** @typedef {import('../curves/ring.js').Ring} Ring */
 
-const JOINTS = [1, 2, 3, 4, 5, 6];
 const AXES = ['x', 'y', 'z'];
 /** Way back of the torque in [N·m] that makes a reversal, as the server has it. */
 const DEADBAND = 0.01;
@@ -77,7 +77,7 @@ export function measured(ring, figure) {
 
 /**
  * @param {Figure} figure
- * @param {number[]} values of the six joints
+ * @param {number[]} values of the joints
  */
 function ofJoint({joint, reduced}, values) {
   if (joint !== null) return values[joint - 1];

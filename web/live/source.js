@@ -6,7 +6,7 @@ import {VIEWS} from './views.js';
 import {liveReadings} from './readings.js';
 import {shortTime} from '../curves/freezes.js';
 import {spectrumTable, timeTable} from '../plot_view/download.js';
-import {ALL_JOINTS} from '../plot_view/joint_toggles.js';
+import {JOINTS} from '../api/arm.js';
 import {holdOf, spectrumPanels, timePanels} from '../curves/panel_curves.js';
 
 /** @typedef {import('./views.js').View} View */
@@ -86,7 +86,7 @@ export class LiveSource {
   /** @param {View} view */
   table(view) {
     const {ring, freezes} = this.#telemetry;
-    const panels = this.#panels({view, joints: ALL_JOINTS, hidden: new Set()});
+    const panels = this.#panels({view, joints: JOINTS, hidden: new Set()});
     const build = view.spectrum ? spectrumTable : timeTable;
     return build(ring, panels, this.window.range, freezes.now);
   }

@@ -1,11 +1,12 @@
 // @ts-check
 /** Where the selected lane has just been in each joint's (e, de) plane, and where it is now. */
 
+import {JOINTS} from '../api/arm.js';
+
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('../api/api.js').Frame} Frame */
 /** @typedef {{time: number, e: number[], de: number[]}} Moment */
 
-const JOINTS = [1, 2, 3, 4, 5, 6];
 /** Frames kept: some ten seconds. */
 const KEPT = 300;
 
@@ -28,7 +29,7 @@ export class LiveTrail {
   }
 
   /**
-   * @param {number} joint 1 to 6
+   * @param {number} joint from 1
    * @returns {{time: number, e: number[], de: number[]}|null} the newest last; null before the
    *   first frame
    */

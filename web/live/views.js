@@ -1,6 +1,8 @@
 // @ts-check
 /** Which traces each tab of the plots shows. */
 
+import {unitAt} from '../api/arm.js';
+
 /** @typedef {import('../curves/ring.js').Ring} Ring */
 /** @typedef {import('../curves/trace_values.js').Trace} Trace */
 /** @typedef {import('../curves/trace_values.js').Rule} Rule */
@@ -50,7 +52,7 @@ function perJoint(group, quantity, unit, {held = false, shown = () => true} = {}
     id: `${group}${joint}`,
     title: `joint ${joint}`,
     quantity,
-    unit,
+    unit: unitAt(unit, joint),
     traces: source.lanes.filter((lane) => shown(lane, source)).flatMap((lane) => (
       traces(source, lane, `${quantity} joint ${joint} ${lane}`, [[lane, group, joint]], {held})
     )),
@@ -71,7 +73,7 @@ function besideDesired(desired, error, quantity, unit) {
     id: `${quantity}${joint}`,
     title: `joint ${joint}`,
     quantity,
-    unit,
+    unit: unitAt(unit, joint),
     traces: [
       ...source.lanes.flatMap((lane) => traces(
         source, lane, `${quantity} joint ${joint} ${lane}`,

@@ -1,9 +1,8 @@
 // @ts-check
 /** A row of buttons, one a joint: which joints the plots show. */
 
+import {ARM, JOINTS} from '../api/arm.js';
 import {element} from '../dom/element.js';
-
-export const ALL_JOINTS = [1, 2, 3, 4, 5, 6];
 
 /** Shows the choice and reports a press. */
 export class JointToggles {
@@ -12,9 +11,9 @@ export class JointToggles {
 
   /** @param {(joint: number) => void} toggle */
   constructor(toggle) {
-    this.#buttons = ALL_JOINTS.map((joint) => element('button', {
+    this.#buttons = JOINTS.map((joint) => element('button', {
       type: 'button', class: 'plots-toggle', 'aria-label': `Joint ${joint}`,
-      title: `Show or hide joint ${joint} (key ${joint})`, 'aria-pressed': 'false',
+      title: `Show or hide joint ${joint}, ${ARM.joints[joint - 1].name}${joint < 10 ? ` (key ${joint})` : ''}`, 'aria-pressed': 'false',
       on: {click: () => toggle(joint)},
     }, String(joint)));
     this.element = element(
@@ -29,7 +28,7 @@ export class JointToggles {
    */
   show(joints, apply) {
     this.#buttons.forEach((button, index) => {
-      button.setAttribute('aria-pressed', String(joints.includes(ALL_JOINTS[index])));
+      button.setAttribute('aria-pressed', String(joints.includes(JOINTS[index])));
       button.disabled = !apply;
     });
     this.element.classList.toggle('is-off', !apply);

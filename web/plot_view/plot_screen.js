@@ -1,7 +1,7 @@
 // @ts-check
 /** Plots with all that stands around them: tabs, legend, cursors, toolbar, keys, files. */
 
-import {ALL_JOINTS} from './joint_toggles.js';
+import {JOINTS} from '../api/arm.js';
 import {Canvas} from '../plots/canvas.js';
 import {Cursors} from './cursors.js';
 import {PlotLegend} from './legend.js';
@@ -163,7 +163,7 @@ export class PlotScreen {
     if (!this.#view.joints) return;
     const shown = this.#joints.includes(joint);
     if (shown && this.#joints.length === 1) return;
-    this.#joints = ALL_JOINTS.filter((each) => this.#joints.includes(each) !== (each === joint));
+    this.#joints = JOINTS.filter((each) => this.#joints.includes(each) !== (each === joint));
     remember(`${this.#source.key}.joints`, this.#joints.join(''));
     this.#source.window.zoomed.clear();
     this.show();
@@ -218,6 +218,6 @@ export class PlotScreen {
  * @returns {number[]}
  */
 function rememberedJoints(key) {
-  const joints = ALL_JOINTS.filter((joint) => recall(`${key}.joints`)?.includes(String(joint)));
+  const joints = JOINTS.filter((joint) => recall(`${key}.joints`)?.includes(String(joint)));
   return joints.length ? joints : FIRST_JOINTS;
 }

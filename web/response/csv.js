@@ -2,7 +2,7 @@
 /** Whole responses as a CSV file. */
 
 import {table} from '../plot_view/download.js';
-import {ALL_JOINTS} from '../plot_view/joint_toggles.js';
+import {JOINTS} from '../api/arm.js';
 
 /** @typedef {import('../api/preview_message.js').Response} Response */
 
@@ -14,7 +14,7 @@ import {ALL_JOINTS} from '../plot_view/joint_toggles.js';
  * @returns {Blob}
  */
 export function responseTable(view, responses) {
-  const panels = view.panels(ALL_JOINTS);
+  const panels = view.panels(JOINTS);
   return table(responses.flatMap(({name: title, response}) => (
     [...response.lanes.values()].flatMap(({name, time, columns}) => {
       const of = title ? `${name} ${title}` : name;

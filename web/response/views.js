@@ -12,6 +12,8 @@
  *   panels: (joints: number[]) => ResponsePanel[]}} ResponseView
  */
 
+import {unitAt} from '../api/arm.js';
+
 const MILLIMETRES = 1000;
 
 /**
@@ -23,7 +25,7 @@ const MILLIMETRES = 1000;
  */
 function perJoint(stem, quantity, unit, held = false) {
   return (joints) => joints.map((joint) => ({
-    id: `${stem}${joint}`, title: `joint ${joint}`, quantity, unit, channel: `${stem}${joint}`,
+    id: `${stem}${joint}`, title: `joint ${joint}`, quantity, unit: unitAt(unit, joint), channel: `${stem}${joint}`,
     scale: 1, held,
   }));
 }

@@ -3,9 +3,13 @@
 
 import {showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
+import {JOINTS} from '../api/arm.js';
 import {isKeyAllowed} from '../api/watch_only.js';
 
 /** @typedef {{[key: string]: () => void}} Actions */
+
+/** Joints that have a digit for a key. */
+const KEYED = Math.min(JOINTS.length, 9);
 
 const HELP = [
   ['Space', 'Play, pause'],
@@ -16,7 +20,7 @@ const HELP = [
   ['Shift drag', 'In the 3D scene: push the arm where you grab it'],
   ['L', 'Lessons'],
   ['H', 'Edits of this session, and undo'],
-  ['1 to 6', 'Show or hide a joint in the plots'],
+  [KEYED > 1 ? `1 to ${KEYED}` : '1', 'Show or hide a joint in the plots'],
   ['A, B', 'Set a cursor in the plots, where the pointer is'],
   ['← →, Shift ← →', 'Move the chosen cursor, a little or more'],
   ['Ctrl Z', 'Undo'],
@@ -148,7 +152,7 @@ function setCursor(api, name) {
  * @param {import('../api/api.js').Api} api
  */
 function joint(key, api) {
-  if (!/^[1-6]$/.test(key)) return null;
+  if (!/^[1-9]$/.test(key) || Number(key) > KEYED) return null;
   return () => { api.dispatchEvent(new CustomEvent('joint', {detail: Number(key)})); };
 }
 

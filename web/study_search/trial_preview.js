@@ -1,6 +1,7 @@
 // @ts-check
 /** What a trial's response looks like beside the gains before: |e| over the horizon. */
 
+import {JOINTS} from '../api/arm.js';
 import {choice} from '../lenses/card.js';
 import {LensFigure, axis} from '../lenses/figure.js';
 import {decodedResponse} from '../api/preview_message.js';
@@ -20,7 +21,6 @@ const REST_MS = 80;
 const KEPT = 60;
 /** Of another purpose than the view of the response, whose runs it must not end. */
 const PURPOSE = 'study';
-const JOINTS = [1, 2, 3, 4, 5, 6];
 /** Smaller errors than this share of the greatest are not worth the height; ours. */
 const DEEPEST = 1e-5;
 

@@ -18,7 +18,7 @@ from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.kernels.workspace import Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.pull import Grip
-from slidetune.server.scene.ghost_mesh import ghost_mesh
+from slidetune.server.scene.shape import shape_of
 from slidetune.server.scene.viewer import CAMERA, FIELD_OF_VIEW, LOOK_AT
 from tests.browser.conftest import Complaints, Dashboard
 from tests.server.scene.viser_client import ViserClient
@@ -34,7 +34,7 @@ DEADLINE = 90.0
 def upper_arm() -> Array:
     """Return a point in the upper arm as it stands at the beginning in [m]. Shape (3,)."""
     loop = ClosedLoop(pack(load_preset("paper")), 1)
-    vertices = ghost_mesh("upper_arm_link")[0]
+    vertices = shape_of(SHIPPED).ghosts[1][0]
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     return Grip(UPPER_ARM, middle).place(loop.lanes["RBFNN-NFTSM"].work[Q])
 

@@ -15,6 +15,7 @@ from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.pull import Grip, Pull, flange_grip, grip_at
 from slidetune.server.live.push import Push
 from slidetune.server.scene.arm import SolidArm
+from slidetune.server.scene.shape import shape_of
 from slidetune.server.scene.gizmo import PATIENCE, STIFFNESS, STRONGEST, Gizmo
 from slidetune.server.scene.viewer import Viewer, close_viewer, open_viewer
 from tests.server.scene.viser_client import ViserClient, until
@@ -50,7 +51,8 @@ def viewer() -> Iterator[Viewer]:
 
 @pytest.fixture
 def gizmo(viewer: Viewer, clock: Clock) -> Gizmo:
-    gizmo = Gizmo(viewer, SolidArm(viewer.scene, "/arm").links, clock)
+    gizmo, shape = Gizmo(viewer, clock), shape_of(SHIPPED)
+    gizmo.take(shape, SolidArm(viewer.scene, "/arm", shape).links)
     gizmo.follow(FLANGE, ANGLES)
     return gizmo
 
@@ -201,7 +203,7 @@ def test_the_arrow_shows_the_force_while_there_is_one(gizmo: Gizmo, browser: Vis
 def test_a_drag_with_shift_pulls_the_link_at_the_point_that_it_took(
     gizmo: Gizmo, browser: ViserClient
 ) -> None:
-    (forearm,) = (name for name in browser.nodes if name.endswith("/forearm_link"))
+    (forearm,) = (name for name in browser.nodes if name == "/arm/1/2/3")
     bindings = browser.bindings[forearm]
     assert [(each["button"], each["modifier"]) for each in bindings] == [("left", "shift")]
     taken = Grip(FOREARM, np.array([0.1, 0.02, 0.03]))
@@ -227,7 +229,7 @@ def test_a_drag_with_shift_pulls_the_link_at_the_point_that_it_took(
 
 
 def test_a_drag_without_shift_leaves_the_arm_alone(gizmo: Gizmo, browser: ViserClient) -> None:
-    (forearm,) = (name for name in browser.nodes if name.endswith("/forearm_link"))
+    (forearm,) = (name for name in browser.nodes if name == "/arm/1/2/3")
     browser.drag_node("start", forearm, FLANGE, FLANGE, None)
     browser.drag_node("update", forearm, FLANGE, beside(0.1, 0.0, 0.0), None)
     browser.drag("start", HANDLE)
@@ -243,13 +245,16 @@ def test_a_pull_does_the_work_of_its_force_on_every_lane() -> None:
     for lane in loop.lanes.values():
         q, step = lane.work[Q].copy(), 1e-6
         for joint, turn in enumerate(np.eye(6) * step):
-            moved = (grip.place(q + turn) - grip.place(q - turn)) / (2 * step)
+            model = loop.packed.model
+            moved = (grip.place(model, q + turn) - grip.place(model, q - turn)) / (2 * step)
             assert lane.work[PUSH][joint] == pytest.approx(force @ moved, abs=1e-6)
 
 
 def test_a_grip_is_found_again_where_it_was_taken() -> None:
-    assert flange_grip().place(ANGLES) == pytest.approx(
+    model, tip = shape_of(SHIPPED).model, shape_of(SHIPPED).tip
+    assert flange_grip(model, tip).place(model, ANGLES) == pytest.approx(
         flange_positions(ANGLES[None], shipped_places())[0]
     )
     for joint in range(1, 7):
-        assert grip_at(joint, FLANGE, ANGLES).place(ANGLES) == pytest.approx(FLANGE)
+        held = grip_at(model, joint, FLANGE, ANGLES)
+        assert held.place(model, ANGLES) == pytest.approx(FLANGE)

@@ -38,7 +38,7 @@ def straight(first: int, last: int, deviation: float = 0.02) -> Stretch:
 
 
 def trail_of(rows: int, factor: float = 1.0, chunk: int = 33) -> Trail:
-    trail = Trail()
+    trail = Trail(shipped_places())
     for first in range(0, rows, chunk):
         trail.extend(straight(first, min(first + chunk, rows)), factor)
     return trail
@@ -67,7 +67,7 @@ def test_a_trail_reaches_back_as_far_as_it_says() -> None:
 def test_it_makes_no_difference_how_often_pictures_are_taken(
     chunks: list[int], factor: float
 ) -> None:
-    often, rows = Trail(), 0
+    often, rows = Trail(shipped_places()), 0
     for chunk in chunks:
         often.extend(straight(rows, rows + chunk), factor)
         rows += chunk
@@ -78,7 +78,7 @@ def test_it_makes_no_difference_how_often_pictures_are_taken(
 
 def test_a_trail_leads_to_the_flange_that_is_drawn() -> None:
     factor, stretch = 12.0, straight(0, 1 + 40 * SPACING)
-    trail = Trail()
+    trail = Trail(shipped_places())
     trail.extend(stretch, factor)
     drawn = flange_positions(exaggerated_angles(stretch.q_d, stretch.q, factor), shipped_places())[
         -1
@@ -98,7 +98,7 @@ def test_a_new_factor_redraws_the_whole_trail() -> None:
 def test_a_coarse_simulation_loses_no_point() -> None:
     slow = straight(0, 10)
     coarse = Stretch(slow.desired, slow.actual, slow.q_d, slow.q, 2.0 * SPAN / POINTS)
-    trail = Trail()
+    trail = Trail(shipped_places())
     trail.extend(coarse, 1.0)
     assert trail.points[-10:] == pytest.approx(slow.actual)
 

@@ -1,0 +1,62 @@
+// @ts-check
+/** The arm that the page is for: a page whose experiment is about another one begins anew. */
+
+import {SCHEMA} from './schema_document.js';
+
+/**
+ * `slides`: it slides along its axis, so that m and N stand for rad and N·m.
+ * @typedef {{name: string, title: string, meaning: string,
+ *   joints: {name: string, slides: boolean}[]}} Arm
+ */
+
+/** @type {Arm} */
+export const ARM = SCHEMA['x-arm'];
+/** Its joints by number, from 1. */
+export const JOINTS = ARM.joints.map((_, index) => index + 1);
+/** What each joint does, to be read by people: as in its description. */
+export const JOINT_NAMES = ARM.joints.map(({name}) => name);
+
+/** What stands for the unit of a joint that turns where it slides; the longer ones first. */
+const SLIDING = [['N·m', 'N'], ['kg·m²', 'kg'], ['mrad', 'mm'], ['rad', 'm']];
+
+/**
+ * @param {string} unit of a joint that turns
+ * @param {number} joint from 1
+ * @returns {string} the unit at that joint
+ */
+export function unitAt(unit, joint) {
+  if (!ARM.joints[joint - 1]?.slides) return unit;
+  return SLIDING.reduce((text, [turns, slides]) => text.replaceAll(turns, slides), unit);
+}
+
+/**
+ * @param {string} unit of a joint that turns
+ * @returns {string} of all joints: both where only some slide
+ */
+export function unitOfAll(unit) {
+  return [...new Set(JOINTS.map((joint) => unitAt(unit, joint)))].join(' | ');
+}
+
+/**
+ * Whoever changes the arm, every page begins anew: before anybody else hears of the other one.
+ *
+ * @param {import('./api.js').Api} api nobody listens to yet
+ */
+export function beginAnewForAnother(api) {
+  const look = (/** @type {Event} */ event) => {
+    const {experiment} = /** @type {CustomEvent} */ (event).detail;
+    if (experiment.robot.model === ARM.name) return;
+    event.stopImmediatePropagation();
+    location.reload();
+  };
+  api.addEventListener('hello', look);
+  api.addEventListener('patch', look);
+}
+
+/** @returns {string} such as `six joints`, `one joint` */
+export function jointCount() {
+  const names = ['no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
+    'eleven', 'twelve'];
+  const count = JOINTS.length;
+  return `${names[count] ?? count} joint${count === 1 ? '' : 's'}`;
+}
