@@ -98,6 +98,10 @@ class PresetStorageError(SlidetuneError, OSError):
     """The folder of the user's presets can't be written."""
 
 
+class ArmStorageError(SlidetuneError, OSError):
+    """An arm of the user's own that can't be kept."""
+
+
 class UnreachableError(SlidetuneError, ValueError):
     """A flange path that the arm can't follow; ``field`` names what to change about it."""
 

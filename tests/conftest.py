@@ -17,4 +17,5 @@ def user_presets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "presets"
     monkeypatch.setenv("SLIDETUNE_PRESETS", str(folder))
     monkeypatch.setenv("SLIDETUNE_STUDIES", str(tmp_path / "studies"))
+    monkeypatch.setenv("SLIDETUNE_ARMS", str(tmp_path / "arms"))
     return folder

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, ValidationError
 
-from slidetune.robot.arm.known import SHIPPED, KnownArm, known_arms
+from slidetune.robot.arm.known import SHIPPED, KnownArm, arm_named, find_arm
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.environment.disturbance import Disturbance
 from slidetune.robot.errors import InvalidExperimentError, LawChangedError, unknown_lane
@@ -64,8 +64,11 @@ def _arm_of(document: Any) -> KnownArm:
     """Return the arm that a document names; the shipped one where that will be refused."""
     robot = document.get("robot") if isinstance(document, Mapping) else None
     name = robot.get("model") if isinstance(robot, Mapping) else None
-    arms = known_arms()
-    return arms.get(name, arms[SHIPPED]) if isinstance(name, str) else arms[SHIPPED]
+    try:
+        arm = find_arm(name) if isinstance(name, str) else None
+    except ValueError:
+        arm = None  # a kept arm that is damaged: the field says so
+    return arm or arm_named(SHIPPED)
 
 
 def _posed(document: Mapping[str, Any], arm: KnownArm) -> Mapping[str, Any]:
@@ -135,7 +138,7 @@ class Experiment(Section):
     @property
     def joints(self) -> int:
         """How many joints its arm has."""
-        return known_arms()[self.robot.model].joints
+        return arm_named(self.robot.model).joints
 
     def lane(self, name: str, path: str = "lane") -> Section:
         """Return a lane's law and gains.

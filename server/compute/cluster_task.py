@@ -8,6 +8,9 @@ import pickle
 from collections.abc import Callable
 from typing import Any
 
+from slidetune.robot.arm.arm_document import arm_from, document_of
+from slidetune.robot.arm.known import add_arm, arm_named
+from slidetune.robot.arm.known_arm import is_own_name
 from slidetune.robot.errors import FieldError, InvalidExperimentError, SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.laws import own_versions
@@ -22,16 +25,30 @@ class WrongBuildError(ClusterError):
     """A worker's results would not be those of the coordinator."""
 
 
-def run_task(wanted: Build, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def run_task(
+    wanted: Build,
+    arms: tuple[dict[str, Any], ...],
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+) -> Any:
     """Call a function on a worker.
 
+    Args:
+        wanted: the build of the coordinator.
+        arms: documents of the user's own arms that the experiments are about.
+        function: what to call.
+        arguments: its arguments.
+
     Raises:
+        DamagedArmError: for an arm that isn't the one of its name.
         WrongBuildError: naming the worker, what it has and what is wanted.
     """
     if words := difference(BUILD, wanted):
         from distributed import get_worker
 
         raise WrongBuildError(f"worker {get_worker().address} has another build: {words}")
+    for arm in arms:
+        add_arm(arm_from(arm))
     return function(*arguments)
 
 
@@ -45,7 +62,17 @@ class _Call:
         self._function, self._arguments = function, arguments
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return run_task, (BUILD, self._function, self._arguments)
+        return run_task, (BUILD, _own_arms(self._arguments), self._function, self._arguments)
+
+
+def _own_arms(arguments: tuple[Any, ...]) -> tuple[dict[str, Any], ...]:
+    """Return the documents of the user's own arms, without looks.
+
+    They are numbers, not programs as a law is, and each is checked against the digest in its name:
+    a worker may take them as it takes an experiment.
+    """
+    models = {one.robot.model for one in arguments if isinstance(one, Experiment)}
+    return tuple(document_of(arm_named(name)) for name in sorted(models) if is_own_name(name))
 
 
 def packed_call(function: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:

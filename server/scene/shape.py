@@ -198,7 +198,9 @@ def _paint(mesh: trimesh.Trimesh, color: tuple[float, float, float, float] | Non
     if color is None and getattr(own, "kind", None) == "texture":
         mesh.visual = own.to_color()
     elif color is not None or not getattr(own, "defined", False):
-        material = _Material(baseColorFactor=color or PLAIN, metallicFactor=0.1, roughnessFactor=0.6)
+        material = _Material(
+            baseColorFactor=color or PLAIN, metallicFactor=0.1, roughnessFactor=0.6
+        )
         mesh.visual = _Textured(material=material)
 
 

@@ -184,6 +184,7 @@ def shared_dashboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashb
     environment = {
         "SLIDETUNE_PRESETS": str(folder / "presets"),
         "SLIDETUNE_STUDIES": str(folder / "studies"),
+        "SLIDETUNE_ARMS": str(folder / "arms"),
     }
     with running((), folder / "dashboard.txt", environment) as dashboard:
         yield dashboard

@@ -43,6 +43,7 @@ def serving(presets: Path, token: bool = False) -> Iterator[Served]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIDETUNE_PRESETS", str(presets))
         patch.setenv("SLIDETUNE_STUDIES", str(presets / "studies"))
+        patch.setenv("SLIDETUNE_ARMS", str(presets / "arms"))
         app_state = AppState(Experiment.from_document({"title": "Three lanes", "lanes": LANES}))
         bound = free_socket("127.0.0.1", 0)
         port = bound.getsockname()[1]

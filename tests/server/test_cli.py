@@ -28,6 +28,7 @@ def slidetune(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]
         "PYTHONIOENCODING": "utf-8",
         "SLIDETUNE_PRESETS": str(folder),
         "SLIDETUNE_STUDIES": str(folder / "studies"),
+        "SLIDETUNE_ARMS": str(folder / "arms"),
     }
     return subprocess.run(
         [sys.executable, "-m", "slidetune", *arguments],

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.kernels.workspace import Q
@@ -36,7 +37,7 @@ def upper_arm() -> Array:
     loop = ClosedLoop(pack(load_preset("paper")), 1)
     vertices = shape_of(SHIPPED).ghosts[1][0]
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    return Grip(UPPER_ARM, middle).place(loop.lanes["RBFNN-NFTSM"].work[Q])
+    return Grip(UPPER_ARM, middle).place(loop.packed.model, loop.lanes["RBFNN-NFTSM"].work[Q])
 
 
 def pixel(page: Page, point: Array) -> tuple[float, float]:

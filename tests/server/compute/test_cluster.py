@@ -18,6 +18,10 @@ from typing import Any
 import pytest
 from distributed import Client
 
+from slidetune.robot.arm.known import add_arm, forget_arm
+from slidetune.robot.arm.known_arm import own_arm
+from slidetune.robot.arm.teaching import TWO_LINKS
+from slidetune.robot.doctor.examine import examine
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
@@ -357,3 +361,19 @@ def test_runs_are_made_here_or_there(folder: Path) -> None:
         done = slidetune(*command, *both, folder=folder)
         assert done.returncode == 2
         assert "not both" in done.stderr
+
+
+def test_an_arm_of_one_s_own_goes_with_its_runs(pair: Cluster) -> None:
+    found = examine(TWO_LINKS)
+    assert found.arm is not None
+    arm = own_arm(found.arm, found.name)
+    add_arm(arm)
+    document = {"robot": {"model": arm.name}, "lanes": {LANE: {"law": "rbfnn_nftsm"}}}
+    patch = {"simulation": {"horizon": 0.3}, "goals": GOALS, "uncertainty": {"payload": [0.0, 3.0]}}
+    own = Experiment.from_document({**document, **patch})
+    with local_executor() as pool:
+        here = list(robustness(own, LANE, 6, pool))
+    with cluster_executor(pair.address, print) as pool:
+        there = list(robustness(own, LANE, 6, pool))
+    assert there == here
+    forget_arm(arm.name)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from slidetune.robot.arm.arm import flange_positions, shipped_places
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.kernels.workspace import PUSH, Q
@@ -15,8 +16,8 @@ from slidetune.robot.loop.closed_loop import ClosedLoop
 from slidetune.server.live.pull import Grip, Pull, flange_grip, grip_at
 from slidetune.server.live.push import Push
 from slidetune.server.scene.arm import SolidArm
-from slidetune.server.scene.shape import shape_of
 from slidetune.server.scene.gizmo import PATIENCE, STIFFNESS, STRONGEST, Gizmo
+from slidetune.server.scene.shape import shape_of
 from slidetune.server.scene.viewer import Viewer, close_viewer, open_viewer
 from tests.server.scene.viser_client import ViserClient, until
 
