@@ -59,6 +59,9 @@ class View(Protocol):
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, if it is time."""
 
+    def prepare(self, model: str) -> None:
+        """Do what takes long before an arm can be shown, on any thread."""
+
 
 class Session:
     """The closed loop in real time.
