@@ -55,7 +55,7 @@ class InvalidExperimentError(SlidetuneError, ValueError):
         return type(self), (self.fields,), {"args": self.args}
 
 
-class LawChangedError(SlidetuneError):
+class LawChangedError(SlidetuneError, ValueError):
     """The file of a law was read again while something went on with the version before."""
 
     def __init__(self, lane: str, law: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from slidetune.robot.arm.known import arm_named
+from slidetune.robot.arm.known import SHIPPED, arm_named
 from slidetune.robot.arm.known_arm import KnownArm
 from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.experiment.preset_name import LONGEST_NAME
@@ -75,5 +75,5 @@ def _fit(name: str, field: dict[str, Any], arm: KnownArm) -> None:
     for shape in (field, *field.get("anyOf", ())):
         if shape.get(PER_JOINT):
             shape["minItems"] = shape["maxItems"] = arm.joints
-    if field.get(PER_JOINT) and isinstance(field.get("default"), list):
+    if arm.name != SHIPPED and field.get(PER_JOINT) and isinstance(field.get("default"), list):
         field["default"] = list(arm.away if name == _END else arm.home)

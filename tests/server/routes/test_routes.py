@@ -18,6 +18,7 @@ from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experim
 from slidetune.robot.loop.figures import FIGURES, figures_of
 from slidetune.server.contract.live_messages import Figures, SamplingMargin
 from slidetune.server.contract.schema import SchemaAnswer
+from slidetune.server.state.published import published_schema
 from tests.server.conftest import Served
 
 YAML = {"content-type": "application/yaml"}
@@ -77,8 +78,26 @@ def test_schema_publishes_the_table_of_figures_beside_a_valid_schema(served: Ser
         for key, value in schema.items()
         if key not in ("x-laws", "x-figures", "x-arm", "x-bounds")
     }
-    assert beside == Experiment.model_json_schema()
+    assert beside == fitted_to(Experiment.model_json_schema(), 6)
     SchemaAnswer.model_validate(schema)
+
+
+def fitted_to(node: Any, joints: int) -> Any:
+    """Return a schema whose lists by joint are as long as an arm has joints."""
+    if isinstance(node, list):
+        return [fitted_to(one, joints) for one in node]
+    if not isinstance(node, dict):
+        return node
+    length = {"minItems": joints, "maxItems": joints} if node.get("per_joint") else {}
+    return {key: fitted_to(value, joints) for key, value in node.items()} | length
+
+
+def test_the_schema_is_that_of_the_live_arm() -> None:
+    for name, count in (("pendulum", 1), ("two_links", 2)):
+        schema = published_schema(name)
+        assert [len(one) for one in schema["x-arm"]["joints"]] == [2] * count
+        start = schema["$defs"]["QuinticTrajectory"]["properties"]["start"]
+        assert (start["minItems"], start["maxItems"], len(start["default"])) == (count,) * 3
 
 
 def test_live_figures_are_those_that_the_table_says(served: Served) -> None:

@@ -208,7 +208,7 @@ def test_a_drag_with_shift_pulls_the_link_at_the_point_that_it_took(
     bindings = browser.bindings[forearm]
     assert [(each["button"], each["modifier"]) for each in bindings] == [("left", "shift")]
     taken = Grip(FOREARM, np.array([0.1, 0.02, 0.03]))
-    start, away = taken.place(ANGLES), np.array([0.1, 0.2, -0.05])
+    start, away = taken.place(shape_of(SHIPPED).model, ANGLES), np.array([0.1, 0.2, -0.05])
     browser.drag_node("start", forearm, start, start, "shift")
     browser.drag_node("update", forearm, start, start + away, "shift")
     until(lambda: pulled(gizmo, STIFFNESS * away))
@@ -219,10 +219,10 @@ def test_a_drag_with_shift_pulls_the_link_at_the_point_that_it_took(
     # The arm moves on under a hand that stays, and the handle goes with its flange.
     moved = ANGLES + 0.05
     gizmo.follow(beside(0.0, 0.0, 0.01), moved)
-    assert pulled(gizmo, STIFFNESS * (start + away - taken.place(moved)))
+    assert pulled(gizmo, STIFFNESS * (start + away - taken.place(shape_of(SHIPPED).model, moved)))
     until(lambda: np.allclose(browser.poses[HANDLE]["position"], beside(0.0, 0.0, 0.01)))
     # The news of two nodes may come in two frames.
-    until(lambda: np.allclose(arrow(browser)[0], taken.place(moved)))
+    until(lambda: np.allclose(arrow(browser)[0], taken.place(shape_of(SHIPPED).model, moved)))
     for nonsense in (np.nan, 1e300):
         browser.drag_node("update", forearm, start, (0.0, nonsense, 0.0), "shift")
     browser.drag_node("end", forearm, start, start, "shift")

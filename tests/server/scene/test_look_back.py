@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from slidetune.robot.arm.arm import shipped_places
 from slidetune.server.scene.frame import SceneFrame, ShownLane
 from slidetune.server.scene.trails import POINTS
 
@@ -32,14 +33,14 @@ def standing(lane: ShownLane) -> tuple[float, float]:
 
 
 def test_a_lane_stands_where_it_was_with_what_was_desired_then() -> None:
-    lane = ShownLane()
+    lane = ShownLane(shipped_places())
     lane.take("A", picture(2.0), 1.0)
     lane.take("A", picture(1.0, past=True), 1.0)
     assert standing(lane) == (1.0, 1.1)
 
 
 def test_the_trail_does_not_follow_a_look_back() -> None:
-    lane = ShownLane()
+    lane = ShownLane(shipped_places())
     lane.take("A", picture(2.0), 1.0)
     before = lane.trail.points.copy()
     for angle in (1.0, 0.5):
@@ -47,7 +48,7 @@ def test_the_trail_does_not_follow_a_look_back() -> None:
     np.testing.assert_array_equal(lane.trail.points, before)
     # Exaggerated or not, what comes next starts from the present and not from the past.
     lane.take("A", picture(2.1), 20.0)
-    other = ShownLane()
+    other = ShownLane(shipped_places())
     for angle in (2.0, 2.1):
         other.take("A", picture(angle), 20.0)
     np.testing.assert_allclose(lane.trail.points[-1], other.trail.points[-1])
@@ -55,7 +56,7 @@ def test_the_trail_does_not_follow_a_look_back() -> None:
 
 
 def test_a_stopped_lane_is_seen_moving_and_then_stands_still_again() -> None:
-    lane = ShownLane()
+    lane = ShownLane(shipped_places())
     lane.take("A", picture(2.0), 1.0)
     lane.take("A", picture(3.0, frozen=True), 1.0)
     assert standing(lane) == (2.0, 2.1)
