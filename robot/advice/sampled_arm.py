@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.advice.torque_need import required_torque
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
@@ -52,10 +53,11 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
     Args:
         packed: the experiment as numbers.
     """
-    if packed.experiment.simulation.mode != "sampled":
+    experiment = packed.experiment
+    if experiment.simulation.mode != "sampled" or experiment.robot.model != SHIPPED:
         return None
-    versions = tuple(own_versions(packed.experiment.lanes).items())
-    return _offer(packed.experiment.model_dump_json(), versions)
+    versions = tuple(own_versions(experiment.lanes).items())
+    return _offer(experiment.model_dump_json(), versions)
 
 
 @lru_cache(maxsize=8)

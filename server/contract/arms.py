@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 class ArmSummary(BaseModel):
     """One arm in the list."""
 
-    name: str = Field(description="Value of `robot.model`.", examples=["jaka_zu5"])
+    name: str = Field(description="Value of `model` in the section `robot`.", examples=["jaka_zu5"])
     title: str = Field(description="Name on the screen.")
     meaning: str = Field(description="The arm in one line.")
     joints: int = Field(description="How many it has; 0 where it is damaged.")
@@ -41,7 +41,9 @@ class ArmFinding(BaseModel):
 class ArmReport(BaseModel):
     """What the doctor says of a description, and the name that its arm is kept by."""
 
-    name: str = Field(description="Value of `robot.model`; empty where the arm is refused.")
+    name: str = Field(
+        description="Value of `model` in the section `robot`; empty where the arm is refused."
+    )
     robot: str = Field(description="Name of the robot in the file.")
     summary: str = Field(description="One sentence.")
     tip: str = Field(description="The link that is its flange.")

@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import UploadFile
 
 from slidetune.robot.arm.kept import kept_arms, remove
-from slidetune.robot.arm.known import SHIPPED, arm_named, shipped_arms
+from slidetune.robot.arm.known import SHIPPED, arm_named, forget_arm, shipped_arms
 from slidetune.robot.errors import UnknownArmError
 from slidetune.robot.first_experiment.first_experiment import first_experiment
 from slidetune.server.arms.unpacked import MOST_FILES, refused
@@ -110,6 +110,7 @@ def arms_router(app_state: AppState) -> APIRouter:
             )
         if not remove(name):
             raise UnknownArmError(f"no arm of your own is named {name}")
+        forget_arm(name)
         return Response(status_code=204)
 
     return router

@@ -221,28 +221,8 @@ export class Api extends EventTarget {
   /** @param {string|Document} document YAML text or a whole experiment */
   replaceExperiment(document) { return this.#make(request('PUT', '/api/experiment', document)); }
 
-  /** @returns {Promise<import('../arms/arms.js').ArmSummary[]>} */
-  async listArms() { return (await request('GET', '/api/arms')).arms; }
-
-  /**
-   * Have an arm examined, and kept where nothing is refused.
-   *
-   * @param {{path: string, file: File}[]} files
-   * @param {{urdf?: string, tip?: string, total_mass?: string}} said
-   * @returns {Promise<import('../arms/doctor.js').Report>}
-   */
-  bringArm(files, said) {
-    const form = new FormData();
-    for (const {path, file} of files) form.append('files', file, path);
-    const given = Object.entries(said).filter(([, value]) => value);
-    return request('POST', `/api/arms?${new URLSearchParams(Object.fromEntries(given))}`, form);
-  }
-
   /** @param {string} name of the arm whose first experiment is begun */
   beginArm(name) { return this.#make(request('POST', `/api/arms/${encodeURIComponent(name)}/begin`)); }
-
-  /** @param {string} name */
-  forgetArm(name) { return request('DELETE', `/api/arms/${encodeURIComponent(name)}`); }
 
   /** @returns {Promise<LessonSummary[]>} */
   async lessons() { return (await request('GET', '/api/lessons')).lessons; }

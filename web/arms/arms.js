@@ -2,6 +2,7 @@
 /** The arm that the experiment is about: which it is, others to begin with, one's own to bring. */
 
 import {ARM, jointCount} from '../api/arm.js';
+import {forgetArm, listArms} from '../api/arm_requests.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -10,10 +11,7 @@ import {pickedFiles} from './dropped.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('./dropped.js').Sent} Sent */
-/**
- * @typedef {{name: string, title: string, meaning: string, joints: number, shipped: boolean,
- *   problem: string}} ArmSummary
- */
+/** @typedef {import('../api/arm_requests.js').ArmSummary} ArmSummary */
 
 const BEFORE = 'slidetune.before-arm';
 
@@ -50,7 +48,7 @@ export class Arms {
   async open() {
     let arms;
     try {
-      arms = await this.#api.listArms();
+      arms = await listArms();
     } catch (error) {
       this.#fail(error);
       return;
@@ -106,6 +104,10 @@ export class Arms {
   async #begin(name, title) {
     const {preset, experiment} = this.#api;
     const back = JSON.stringify({preset, experiment, title: ARM.title});
+    const waiting = showDialog(title, element('div', {class: 'dialog-text'},
+      element('p', {}, 'Its first experiment is made and tried. For a number of joints that is new here the '
+        + 'control laws are compiled as well: half a minute, once.'),
+      element('progress', {class: 'arm-progress', 'aria-label': 'Under way'})));
     try {
       // The page that comes next offers the way back.
       if (name !== ARM.name) sessionStorage.setItem(BEFORE, back);
@@ -114,6 +116,7 @@ export class Arms {
       sessionStorage.removeItem(BEFORE);
       this.#fail(error);
     }
+    waiting.close();
   }
 
   #offerTheWayBack() {
@@ -132,7 +135,7 @@ export class Arms {
    */
   #askToForget(name, title) {
     ask(`Forget the arm ${title}?`, [], 'Forget', async () => {
-      await this.#api.forgetArm(name);
+      await forgetArm(name);
       this.#tell(`Forgot ${title}. Presets that name ${name} can’t be loaded until it is brought again.`);
     });
   }

@@ -1,18 +1,16 @@
 // @ts-check
 /** What the doctor says of an arm that was brought, and what can be said to it in turn. */
 
+import {bringArm} from '../api/arm_requests.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('../api/http.js').ApiError} ApiError */
 /** @typedef {import('./dropped.js').Sent} Sent */
-/** @typedef {{urdf?: string, tip?: string, total_mass?: string}} Said */
-/**
- * @typedef {{name: string, robot: string, summary: string, tip: string, joints: string[],
- *   held: string[], findings: Finding[]}} Report
- */
-/** @typedef {{kind: string, where: string, line: number|null, text: string, remedy: string}} Finding */
+/** @typedef {import('../api/arm_requests.js').Finding} Finding */
+/** @typedef {import('../api/arm_requests.js').Report} Report */
+/** @typedef {import('../api/arm_requests.js').Said} Said */
 
 const WORDS = {refused: 'Refused', assumed: 'Assumed', noted: 'To look at'};
 
@@ -46,7 +44,7 @@ export class Doctor {
     try {
       const {arm_bytes: most} = await this.#api.limits();
       if (size > most) throw new Error(`all files together are larger than ${Math.round(most / 2 ** 20)} MiB.`);
-      const report = await this.#api.bringArm(files, said);
+      const report = await bringArm(files, said);
       if (!waiting.open) return;
       waiting.close();
       this.#show(report, files, said);
