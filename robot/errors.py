@@ -98,6 +98,10 @@ class PresetStorageError(SlidetuneError, OSError):
     """The folder of the user's presets can't be written."""
 
 
+class RefusedArmError(SlidetuneError, ValueError):
+    """A description that holds no arm that can be loaded; the text is the doctor's report."""
+
+
 class UnknownArmError(SlidetuneError, KeyError):
     """No arm of that name; the message lists the known ones."""
 

@@ -7,6 +7,7 @@ preset's gains of the same laws.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -48,7 +49,7 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
 
     It is offered only where every lane's loop holds with it and the motors are strong enough for
     the motion. ``None`` elsewhere, where no lane is that unstable, where the arm is that one
-    already, and where a law fails.
+    already or another one than the shipped one, and where a law fails.
 
     Args:
         packed: the experiment as numbers.
@@ -62,7 +63,7 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
 
 @lru_cache(maxsize=8)
 def _offer(text: str, _: tuple[tuple[str, str], ...]) -> SampledArm | None:
-    experiment = Experiment.model_validate_json(text)
+    experiment = Experiment.from_document(json.loads(text))
     try:
         source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")
     except SlidetuneError:
