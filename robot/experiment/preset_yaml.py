@@ -115,7 +115,7 @@ def _plain(name: str, value: Any, level: int) -> Any:
         items.fa.set_flow_style()
         return items
     if isinstance(value, str):
-        return _block(value) if name == "description" else _text(value)
+        return _block(value) if name == "description" or "\n" in value else _text(value)
     return _number(value)
 
 
