@@ -1,4 +1,4 @@
-"""Commands: serve, run, paper, bench; tune, robustness, sweep."""
+"""Commands: serve, run, paper, bench; studies; recordings."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from slidetune.server.cli_options import (
     take_laws,
 )
 from slidetune.server.fit_command import fit
+from slidetune.server.recording_commands import identify, log, reference
 from slidetune.server.study_commands import robustness, sweep, tune
 
 # Everything that is slow to import waits for the command that needs it.
@@ -176,7 +177,7 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep, fit):
+for command in (tune, robustness, sweep, fit, reference, log, identify):
     cli.command()(command)
 
 
