@@ -12,6 +12,7 @@ from slidetune.robot.errors import FieldError, InvalidExperimentError, unknown_l
 from slidetune.robot.fields.plain_values import UnfitError, plain_values
 from slidetune.robot.goals.section import GOALS
 from slidetune.robot.laws import LAWS
+from slidetune.robot.motion.recorded import RecordedTrajectory
 from slidetune.robot.motion.trajectory import (
     CircleTrajectory,
     HoldTrajectory,
@@ -26,6 +27,7 @@ _TRAJECTORIES = {
     "quintic": QuinticTrajectory,
     "hold": HoldTrajectory,
     "circle": CircleTrajectory,
+    "recorded": RecordedTrajectory,
 }
 
 

@@ -128,7 +128,7 @@ def _plain(name: str, value: Any, level: int, slides: Sequence[bool]) -> Any:
         items.fa.set_flow_style()
         return items
     if isinstance(value, str):
-        return _block(value) if name == "description" else _text(value)
+        return _block(value) if name == "description" or "\n" in value else _text(value)
     return _number(value)
 
 

@@ -11,10 +11,11 @@ from pydantic import Field
 from slidetune.robot.fields.quantity import JOINTS, JointVector, Number, PerJoint, Section, field
 from slidetune.robot.kernels.compiler import kernel
 from slidetune.robot.kernels.workspace import AD, QD, VD
+from slidetune.robot.motion.recorded import RecordedTrajectory, recorded_samples
 
 Array = np.ndarray
 
-SINE, QUINTIC, TABLE = 0.0, 1.0, 2.0
+SINE, QUINTIC, TABLE, RECORDED = 0.0, 1.0, 2.0, 3.0
 # Where the numbers of a packed trajectory stand: its kind, then those of that kind.
 KIND = 0
 SINES = 1  # amplitudes, angular frequencies, phases and offsets, each of all joints
@@ -171,13 +172,13 @@ class CircleTrajectory(Section):
 
 
 Trajectory = Annotated[
-    SineTrajectory | QuinticTrajectory | HoldTrajectory | CircleTrajectory,
+    SineTrajectory | QuinticTrajectory | HoldTrajectory | CircleTrajectory | RecordedTrajectory,
     Field(discriminator="kind"),
 ]
 
 
-def _table(period: float, samples: Array) -> Array:
-    head = np.array([TABLE, period, float(len(samples) - 1)])
+def _table(kind: float, period: float, samples: Array) -> Array:
+    head = np.array([kind, period, float(len(samples) - 1)])
     return np.concatenate([head, samples.ravel()])
 
 
@@ -204,9 +205,12 @@ def pack_trajectory(
         return np.array([QUINTIC, trajectory.duration, *trajectory.start, *trajectory.end])
     if isinstance(trajectory, HoldTrajectory):
         return np.array([QUINTIC, 1.0, *trajectory.position, *trajectory.position])
+    if isinstance(trajectory, RecordedTrajectory):
+        samples = recorded_samples(trajectory, joints)
+        return _table(RECORDED, trajectory.spacing * (len(samples) - 1), samples)
     if turn is None:
         raise ValueError("a circle needs its joint motion along one turn")
-    return _table(trajectory.period, turn)
+    return _table(TABLE, trajectory.period, turn)
 
 
 @kernel
@@ -239,11 +243,10 @@ def _quintic(t, numbers, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _interpolate(t, numbers, work):  # type: ignore[no-untyped-def]
+def _interpolate(turns, numbers, work):  # type: ignore[no-untyped-def]
     """Quintic Hermite interpolation, so that q_d, v_d and a_d belong together."""
     period, count = numbers[PERIOD], int(numbers[COUNT])
-    turns = t / period
-    place = (turns - np.floor(turns)) * count
+    place = turns * count
     index = min(int(place), count - 1)
     u, h = place - index, period / count
     first = SAMPLES + index * 3 * JOINTS
@@ -266,6 +269,16 @@ def _interpolate(t, numbers, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _recorded(t, numbers, work):  # type: ignore[no-untyped-def]
+    """Follow a recording; before its start and after its end its pose is held."""
+    turns = t / numbers[PERIOD]
+    _interpolate(min(max(turns, 0.0), 1.0), numbers, work)
+    if turns < 0.0 or turns >= 1.0:
+        for j in range(JOINTS):
+            work[VD, j], work[AD, j] = 0.0, 0.0
+
+
+@kernel
 def reference(t, numbers, work):  # type: ignore[no-untyped-def]
     """Write the desired motion at ``t`` [s] into QD [rad], VD [rad/s] and AD [rad/s^2].
 
@@ -279,5 +292,8 @@ def reference(t, numbers, work):  # type: ignore[no-untyped-def]
         _sine(t, numbers, work)
     elif kind == QUINTIC:
         _quintic(t, numbers, work)
+    elif kind == RECORDED:
+        _recorded(t, numbers, work)
     else:
-        _interpolate(t, numbers, work)
+        turns = t / numbers[PERIOD]
+        _interpolate(turns - np.floor(turns), numbers, work)

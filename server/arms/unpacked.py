@@ -109,7 +109,8 @@ class Unpacked:
             return next(iter(known.values()))
         if not known:
             raise refused("no URDF among the files: send a .urdf file, or a ZIP with it")
-        raise refused(f"choose one of the descriptions: {_names(known)}", list(known), "urdf")
+        text = f"choose one of the descriptions: {_names(known)}"
+        raise InvalidExperimentError([FieldError("urdf", text, "", "\n".join(known))])
 
 
 _DESCRIPTIONS = (".urdf", ".xml", ".xacro", ".sdf", ".mjcf")

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import IO, Any
 
-from slidetune.robot.arm.kept import keep
-from slidetune.robot.arm.known import arm_named
-from slidetune.robot.arm.known_arm import own_arm
-from slidetune.robot.doctor.examine import Examined, examine
-from slidetune.robot.doctor.report import summary
-from slidetune.server.arms.unpacked import Unpacked
+from slidetune.robot.errors import ArmStorageError
+from slidetune.server.arms.unpacked import Unpacked, refused
+from slidetune.server.compute.apart import LostProcessError, ask_apart
 
 Sent = Sequence[tuple[str, IO[bytes]]]
 """Files with the paths that they were sent under."""
+
+LIMIT = 120.0
+"""Longest time that an examination may take in [s] (*ours*): 100 MB of meshes take some 20."""
+_MODULE = "slidetune.server.arms.child"
 
 
 def take_arm(
@@ -39,36 +39,20 @@ def take_arm(
         ArmStorageError: if it can't be kept.
     """
     with tempfile.TemporaryDirectory(prefix="slidetune-arm-") as folder:
-        unpacked = Unpacked(Path(folder))
+        unpacked = Unpacked(Path(folder).resolve())
         for name, content in files:
             unpacked.take(name, content)
-        path = unpacked.urdf(urdf)
-        examined = examine(path, [unpacked.root], tip or None, total_mass, within=unpacked.root)
-        name = ""
-        if examined.arm is not None:
-            kept = keep(own_arm(examined.arm, examined.name, file=path.name), path)
-            name = arm_named(kept.name).name
-        return _document(examined, name, unpacked.root)
-
-
-def _document(examined: Examined, name: str, root: Path) -> dict[str, Any]:
-    """Say it, with no word of the folder in which it was for a moment."""
-
-    def placed(value: Any) -> Any:
-        if not isinstance(value, str):
-            return value
-        return value.replace(f"{root}/", "").replace(str(root), "the files")
-
-    findings = [
-        {key: placed(value) for key, value in asdict(finding).items()}
-        for finding in examined.findings
-    ]
-    return {
-        "name": name,
-        "robot": examined.name,
-        "summary": summary(examined),
-        "tip": "" if examined.arm is None else examined.arm.tip,
-        "joints": [] if examined.arm is None else list(examined.arm.joints),
-        "held": [] if examined.arm is None else list(examined.arm.held),
-        "findings": findings,
-    }
+        asked = {
+            "root": str(unpacked.root),
+            "path": str(unpacked.urdf(urdf)),
+            "tip": tip or None,
+            "total_mass": total_mass,
+        }
+        try:
+            answer: dict[str, Any] = ask_apart(_MODULE, asked, LIMIT)
+        except LostProcessError as error:
+            text = f"reading them {error.text}: one of the meshes may be damaged or far too large"
+            raise refused(text) from error
+    if "storage" in answer:
+        raise ArmStorageError(answer["storage"])
+    return answer

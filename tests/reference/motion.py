@@ -34,6 +34,8 @@ def motion(trajectory: dict[str, Any], joints: int) -> tuple[Motion, list[float]
     if kind == "hold":
         pose, still = np.array(trajectory["position"], dtype=float), np.zeros(joints)
         return lambda t: (pose, still, still), []
+    if kind == "recorded":
+        return _recorded(trajectory, joints)
     return _circle(trajectory), []
 
 
@@ -98,3 +100,21 @@ def _circle(trajectory: dict[str, Any]) -> Motion:
         return spline(turn), speed(turn), bend(turn)
 
     return at
+
+
+def _recorded(trajectory: dict[str, Any], joints: int) -> tuple[Motion, list[float]]:
+    """Follow the spline of degree five through the waypoints, at rest at the last one."""
+    rows = [line.split() for line in trajectory["waypoints"].split("\n") if line]
+    poses, spacing = np.array(rows, dtype=float), trajectory["spacing"]
+    time = np.arange(len(poses)) * spacing
+    knots = np.concatenate([[0.0] * 6, time[3:-1], [time[-1]] * 6])
+    rest = [(1, np.zeros(joints)), (2, np.zeros(joints))]
+    spline = make_interp_spline(time, poses, k=5, t=knots, bc_type=(None, rest))
+    speed, bend, still = spline.derivative(1), spline.derivative(2), np.zeros(joints)
+
+    def at(t: float) -> tuple[Array, Array, Array]:
+        if t >= time[-1]:
+            return poses[-1], still, still
+        return spline(t), speed(t), bend(t)
+
+    return at, [float(time[-1])]

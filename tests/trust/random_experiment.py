@@ -110,6 +110,10 @@ class Draw:
         if drawn["trajectory"]["kind"] == "circle":
             del drawn["trajectory"]["pose"]
             drawn["trajectory"]["radius"] = self._dice.uniform(0.005, 0.1)
+        if drawn["trajectory"]["kind"] == "recorded":
+            rows = [[self._dice.uniform(-1.0, 1.0) for _ in range(6)] for _ in range(12)]
+            text = "\n".join(" ".join(map(str, row)) for row in rows)
+            drawn["trajectory"] = {"kind": "recorded", "spacing": 0.3, "waypoints": text}
 
     def _horizon(self, simulation: Document) -> float:
         steps = 1.0 / simulation["step"]

@@ -60,12 +60,12 @@ export class Doctor {
    * @param {Said} said
    */
   #refused({message, fields}, files, said) {
-    const several = fields?.find(({path, value}) => path === 'urdf' && Array.isArray(value));
+    const several = fields?.find(({path, allowed}) => path === 'urdf' && allowed);
     if (!several) {
       this.#fail(`No arm was read: ${message}`);
       return;
     }
-    const choices = several.value.map((/** @type {string} */ name) => element('button', {
+    const choices = (several.allowed ?? '').split('\n').map((name) => element('button', {
       class: 'menu-item', type: 'button',
       on: {click: () => { dialog.close(); this.examine(files, {...said, urdf: name}); }},
     }, element('code', {}, name)));

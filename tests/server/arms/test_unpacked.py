@@ -89,7 +89,7 @@ def test_which_description_counts_is_asked_where_there_are_several(tmp_path: Pat
     with pytest.raises(InvalidExperimentError) as caught:
         unpacked.urdf()
     (field,) = caught.value.fields
-    assert (field.path, field.value) == ("urdf", ["a.urdf", "b/b.urdf"])
+    assert (field.path, field.allowed) == ("urdf", "a.urdf\nb/b.urdf")
     assert unpacked.urdf("b/b.urdf") == tmp_path / "b" / "b.urdf"
     with pytest.raises(InvalidExperimentError, match="among the files"):
         unpacked.urdf("c.urdf")

@@ -115,7 +115,7 @@ def test_a_zip_with_two_descriptions_asks_which(served: Served) -> None:
     refused = served.http.post("/api/arms", files=files)
     assert refused.status_code == 422
     (field,) = refused.json()["error"]["fields"]
-    assert field["path"] == "urdf"
+    assert (field["path"], field["allowed"]) == ("urdf", "a/one.urdf\na/two.urdf")
     report = served.http.post("/api/arms", params={"urdf": "a/two.urdf"}, files=files).json()
     assert report["robot"] == "two"
     served.http.delete(f"/api/arms/{report['name']}")
@@ -138,7 +138,10 @@ def test_wrong_files_are_refused_in_words(
     assert words in answer.json()["error"]["message"]
 
 
-def test_nothing_of_what_was_sent_stays_behind(served: Served, tmp_path: Path) -> None:
-    before = set(Path(tempfile.gettempdir()).glob("slidetune-arm-*"))
-    served.http.post("/api/arms", files=sent(("arm.urdf", arm_text("brief"))))
-    assert set(Path(tempfile.gettempdir()).glob("slidetune-arm-*")) == before
+def test_nothing_of_what_was_sent_stays_behind(
+    served: Served, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    report = served.http.post("/api/arms", files=sent(("arm.urdf", arm_text("brief")))).json()
+    assert list(tmp_path.iterdir()) == []
+    served.http.delete(f"/api/arms/{report['name']}")
