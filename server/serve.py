@@ -11,6 +11,7 @@ from starlette.types import ASGIApp
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.server.app import create_app
+from slidetune.server.compute.arm_kernels import compile_ahead
 from slidetune.server.guard.access_policy import AccessPolicy, policy_for
 from slidetune.server.guard.limits import MAX_MESSAGE
 from slidetune.server.hosting.allocator import map_large_blocks_apart
@@ -100,6 +101,10 @@ def _say(text: str) -> None:
     console.print(text, soft_wrap=True, markup=False)
 
 
+OF_LESSONS = "pendulum"
+"""The arm of the first lesson, which nobody should have to wait for."""
+
+
 def serve(
     experiment: Experiment,
     preset: str,
@@ -132,6 +137,7 @@ def serve(
             console.print(f"Port {port} is taken: using {actual}.")
         policy = policy_for(host, actual, token)
         app_state = AppState(experiment, preset, scheduler, law_files)
+        compile_ahead(OF_LESSONS)
         config = server_config(create_app(app_state, policy))
         leave_foreign_text_out_of_the_log()
         _Server(config, policy, browser).run(sockets=[bound])

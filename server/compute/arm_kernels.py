@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import logging
+import os
+from contextlib import suppress
+from threading import Thread
 
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.kernels.compiler import is_warm
@@ -11,6 +14,8 @@ from slidetune.server.compute.apart import LostProcessError, answer_once, ask_ap
 
 log = logging.getLogger("slidetune.compute")
 
+GIVES_WAY = 10
+"""By so much what is compiled apart is nicer than the server (*ours*)."""
 LIMIT = 600.0
 """Longest time that compiling may take in [s] (*ours*): half a minute, on a busy machine many."""
 
@@ -29,7 +34,21 @@ def load_kernels(model: str) -> None:
     warm_up_arm(model)  # from the disk by now
 
 
+def compile_ahead(model: str) -> None:
+    """Compile for an arm that somebody may begin with later, in a process that gives way."""
+    if is_warm(arm_named(model).joints):
+        return
+
+    def work() -> None:
+        with suppress(LostProcessError):  # it is tried again once it is asked for
+            ask_apart(__name__, model, LIMIT)
+
+    Thread(target=work, name="slidetune-compile-ahead", daemon=True).start()
+
+
 def _compiled(model: str) -> bool:
+    with suppress(OSError):
+        os.nice(GIVES_WAY)
     warm_up_arm(model)
     return True
 

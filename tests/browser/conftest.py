@@ -201,6 +201,9 @@ def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> It
     for study in client.get("/api/studies").json()["studies"]:
         client.delete(f"/api/studies/{study['id']}").raise_for_status()
     client.post("/api/presets/paper/load").raise_for_status()
+    for arm in client.get("/api/arms").json()["arms"]:
+        if not arm["shipped"]:
+            client.delete(f"/api/arms/{arm['name']}").raise_for_status()
     client.patch("/api/session", json={"speed": 1.0}).raise_for_status()
     client.post("/api/session/play").raise_for_status()
     address = f"{shared_dashboard.url.replace('http', 'ws', 1)}api/live"

@@ -113,7 +113,8 @@ export class Arms {
       if (name !== ARM.name) sessionStorage.setItem(BEFORE, back);
       await this.#history.replace(`first experiment of ${title}`, () => this.#api.beginArm(name));
     } catch (error) {
-      sessionStorage.removeItem(BEFORE);
+      // A page that is about to begin anew hears no answer.
+      if (/** @type {import('../api/http.js').ApiError} */ (error).status !== 0) sessionStorage.removeItem(BEFORE);
       this.#fail(error);
     }
     waiting.close();

@@ -11,6 +11,7 @@ from playwright.sync_api import Page, expect
 
 from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.loop.metrics import measure_lane
+from slidetune.server.compute.arm_kernels import load_kernels
 from tests.browser.conftest import Dashboard
 
 DEADLINE = 60.0
@@ -277,3 +278,18 @@ def test_the_torque_of_the_live_session_is_measured_as_that_of_a_run(
         known = getattr(figures, name)
         np.testing.assert_allclose(found, [*known, known.max(), known.mean()], rtol=1e-5)
     assert (figures.switches > 50.0).all()
+
+
+def test_a_lesson_about_another_arm_begins_and_gives_the_former_one_back(
+    learner: Page, dashboard: Dashboard
+) -> None:
+    load_kernels("pendulum")
+    page, before = learner, live(dashboard)
+    begin(page, "sliding-surface")
+    expect(page.locator(".arm-name")).to_have_text("Pendulum")
+    page.get_by_role("button", name="Next", exact=True).click()
+    at_step(page, 2)
+    page.get_by_role("button", name="Close").click()
+    expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
+    expect(page.locator(".lesson")).to_have_count(0)
+    assert live(dashboard) == before

@@ -1,0 +1,128 @@
+"""Another arm in a real Chromium: chosen, brought, drawn, tuned, left again."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from slidetune.robot.arm.teaching import TWO_LINKS
+from slidetune.server.compute.arm_kernels import load_kernels
+from tests.browser.conftest import Complaints, Dashboard
+
+DROP = """([name, text]) => {
+  const transfer = new DataTransfer();
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  transfer.items.add(new File([bytes], name));
+  const drop = (type) => document.querySelector('.drop-veil, body').dispatchEvent(
+    new DragEvent(type, {dataTransfer: transfer, bubbles: true, cancelable: true}));
+  drop('dragenter');
+  drop('drop');
+}"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled() -> None:
+    """Have the kernels compiled before a page waits for them."""
+    load_kernels("pendulum")
+    load_kernels("two_links")
+
+
+@pytest.fixture
+def opened(dashboard: Dashboard, page: Page) -> Page:
+    page.goto(dashboard.url)
+    expect(page.locator("#header")).to_contain_text("live")
+    return page
+
+
+def drop(page: Page, name: str, content: bytes) -> None:
+    page.evaluate(DROP, [name, base64.b64encode(content).decode()])
+
+
+def live(dashboard: Dashboard) -> dict[str, Any]:
+    experiment: dict[str, Any] = dashboard.client.get("/api/experiment").json()["experiment"]
+    return experiment
+
+
+def choose(page: Page, title: str) -> None:
+    page.locator(".arm-button").click()
+    page.locator("dialog .arm-choice", has_text=title).click()
+    expect(page.locator(".arm-name")).to_have_text(title)
+    expect(page.locator("#header")).to_contain_text("live")
+
+
+def test_everything_follows_the_joints_of_the_arm(opened: Page, dashboard: Dashboard) -> None:
+    page = opened
+    choose(page, "Two links")
+    assert live(dashboard)["robot"]["model"] == "two_links"
+    expect(page.locator("#plots .plots-joints").first.locator("button")).to_have_count(2)
+    expect(page.locator("#metrics thead")).to_contain_text("MAE J2")
+    expect(page.locator("#metrics thead")).not_to_contain_text("MAE J3")
+    gains = page.locator(".gains")
+    gains.get_by_role("button", name="Proportional reaching gain: each joint").click()
+    rows = gains.locator(".joint-list:not([hidden]) .joint-row")
+    expect(rows.filter(visible=True)).to_have_count(2)
+    box = rows.filter(visible=True).nth(1).locator(".number-box")
+    box.fill("4")
+    box.press("Enter")
+    expect(page.locator("#header")).to_contain_text("rev 3")
+    assert live(dashboard)["lanes"]["RBFNN-NFTSM"]["k1"][1] == 4
+    page.get_by_role("tab", name="Response", exact=True).click()
+    expect(page.locator(".response-table tbody tr")).to_have_count(3)
+    expect(page.locator(".response-table thead")).not_to_contain_text("MAE J3")
+
+
+def test_the_way_back_brings_the_former_experiment_with_its_preset(
+    opened: Page, dashboard: Dashboard
+) -> None:
+    page, before = opened, live(dashboard)
+    choose(page, "Pendulum")
+    page.get_by_role("button", name="Back to JAKA Zu 5").click()
+    expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
+    expect(page.locator(".preset-name")).to_have_text("paper")
+    assert live(dashboard) == before
+
+
+def test_an_arm_that_is_dropped_is_examined_kept_and_begun_with(
+    opened: Page, dashboard: Dashboard
+) -> None:
+    page = opened
+    text = TWO_LINKS.read_bytes().replace(b'name="two_links"', b'name="mine"')
+    drop(page, "mine.urdf", text.replace(b'value="1.5"', b'value="1.6"'))
+    report = page.get_by_role("dialog", name="mine can be used")
+    expect(report).to_contain_text("Joints: shoulder, elbow")
+    report.get_by_role("button", name="Begin with this arm").click()
+    expect(page.locator(".arm-name")).to_have_text("mine")
+    assert live(dashboard)["robot"]["model"].startswith("mine-")
+    expect(page.locator("#plots .plots-joints").first.locator("button")).to_have_count(2)
+    page.locator(".arm-button").click()
+    expect(page.locator("dialog .arm-choice[aria-current]")).to_contain_text("mine")
+
+
+def test_what_the_doctor_refuses_is_told_with_its_lines_and_changes_nothing(
+    opened: Page, dashboard: Dashboard, complaints: Complaints
+) -> None:
+    complaints.allow("422")
+    page, before = opened, live(dashboard)
+    drop(page, "bad.urdf", TWO_LINKS.read_bytes().replace(b'value="1.5"', b'value="-1.5"'))
+    report = page.get_by_role("dialog", name="two_links is refused")
+    expect(report.locator("[data-kind=refused] li").first).to_contain_text("link upper_rod, line")
+    expect(report.get_by_role("button", name="Begin with this arm")).to_have_count(0)
+    page.keyboard.press("Escape")
+    drop(page, "notes.zip", b"no archive")
+    expect(page.locator(".notice.is-error")).to_contain_text("no ZIP that can be read")
+    assert live(dashboard) == before
+    assert len(dashboard.client.get("/api/arms").json()["arms"]) == 3
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_whoever_watches_comes_along_to_another_arm(
+    opened: Page, dashboard: Dashboard, width: int
+) -> None:
+    page = opened
+    page.set_viewport_size({"width": width, "height": 844})
+    dashboard.client.post("/api/arms/pendulum/begin").raise_for_status()
+    expect(page.locator(".arm-name")).to_have_text("Pendulum")
+    expect(page.locator("#header")).to_contain_text("live")
