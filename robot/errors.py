@@ -98,6 +98,18 @@ class PresetStorageError(SlidetuneError, OSError):
     """The folder of the user's presets can't be written."""
 
 
+class RefusedArmError(SlidetuneError, ValueError):
+    """A description that holds no arm that can be loaded; the text is the doctor's report."""
+
+
+class UnknownArmError(SlidetuneError, KeyError):
+    """No arm of that name; the message lists the known ones."""
+
+    def __str__(self) -> str:
+        """Return the text itself (KeyError would quote it)."""
+        return str(self.args[0])
+
+
 class ArmStorageError(SlidetuneError, OSError):
     """An arm of the user's own that can't be kept."""
 

@@ -16,6 +16,7 @@ from slidetune.server.guard.access import Access
 from slidetune.server.guard.access_policy import AccessPolicy
 from slidetune.server.guard.body_limit import BodyLimit
 from slidetune.server.hosting.page_files import serve_page
+from slidetune.server.routes.arms import arms_router
 from slidetune.server.routes.docs import docs_router
 from slidetune.server.routes.experiment import experiment_router
 from slidetune.server.routes.history import history_router
@@ -76,6 +77,7 @@ def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     app.include_router(session_router(app_state))
     app.include_router(experiment_router(app_state))
     app.include_router(presets_router(app_state))
+    app.include_router(arms_router(app_state))
     app.include_router(history_router(app_state))
     app.include_router(lessons_router())
     app.include_router(preview_router(app_state))

@@ -1,4 +1,4 @@
-"""Commands: serve, run, paper, bench; studies; recordings."""
+"""Commands: serve, run, paper, bench; studies; arms; recordings."""
 
 from __future__ import annotations
 
@@ -9,16 +9,21 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
+from slidetune.server.arm_commands import arm_cli, arms, doctor
 from slidetune.server.cli_options import (
     CsvOption,
     JsonOption,
     LawOption,
+    PackageDirOption,
     PageOption,
-    PresetArgument,
     PresetOption,
+    TipOption,
+    TotalMassOption,
+    UrdfOption,
     console,
     output,
     take_laws,
+    urdf_choice,
 )
 from slidetune.server.fit_command import fit
 from slidetune.server.recording_commands import identify, log, reference
@@ -32,7 +37,7 @@ DIVERGED = 3
 """Exit code of ``run`` where a lane left its bounds."""
 
 cli = typer.Typer(
-    help="Tune sliding-mode controllers of a six-joint arm in the browser.",
+    help="Tune sliding-mode controllers of a robot arm in the browser.",
     add_completion=False,
     no_args_is_help=False,
     pretty_exceptions_enable=False,
@@ -69,36 +74,50 @@ def default(
 def serve(
     host: HostOption = "127.0.0.1",
     port: Port = 8000,
-    preset: PresetOption = "paper",
+    preset: PresetOption = "",
     browser: Annotated[bool, typer.Option(help="Open the dashboard in a browser.")] = True,
     token: TokenOption = False,
     scheduler: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Cluster that makes the runs of studies (Dask).")
     ] = "",
     law: LawOption = None,
+    urdf: UrdfOption = None,
+    package_dir: PackageDirOption = None,
+    tip: TipOption = "",
+    total_mass: TotalMassOption = None,
 ) -> None:
     """Serve the dashboard.
+
+    An arm of one's own that --urdf names is kept: presets about it can be loaded later without.
 
     Prints the address to open. Where it asks for a token there are two of them, new at every
     start: the owner's, and one with which others may watch but change nothing.
     """
     from slidetune.robot.experiment.preset_name import is_preset_name
-    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.law_files.law_files import LawFiles
     from slidetune.server.report.warmup_bar import warm_up_with_bar
     from slidetune.server.serve import serve as serve_dashboard
 
     law_files = LawFiles(law or [])
     law_files.take(apart=True)
-    experiment = load_preset(preset)
-    warm_up_with_bar(console)
-    name = preset if is_preset_name(preset) else ""
+    arm = urdf_choice(urdf, package_dir, tip, total_mass)
+    experiment = chosen_experiment(preset, arm, console, kept=True)
+    warm_up_with_bar(console, experiment.robot.model)
+    named = preset or "paper"
+    name = named if arm is None and is_preset_name(named) else ""
     serve_dashboard(experiment, name, host, port, browser, token, scheduler, law_files)
 
 
 @cli.command()
 def run(
-    preset: PresetArgument,
+    preset: Annotated[
+        str,
+        typer.Argument(
+            help="Name of a preset, or a YAML file; with --urdf by default an experiment made for "
+            "that arm."
+        ),
+    ] = "",
     since: Annotated[
         float, typer.Option(min=0.0, metavar="SECONDS", help="Ignore everything before this time.")
     ] = 0.0,
@@ -106,20 +125,27 @@ def run(
     csv: CsvOption = "",
     html: PageOption = "",
     law: LawOption = None,
+    urdf: UrdfOption = None,
+    package_dir: PackageDirOption = None,
+    tip: TipOption = "",
+    total_mass: TotalMassOption = None,
 ) -> None:
     """Run an experiment over its horizon and print the figures of every lane.
 
     Exit status: 0 on success, 2 if something is refused, 3 if a lane left its bounds.
     """
-    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_bar import simulate_with_bar
     from slidetune.server.report.run_columns import csv_lines
     from slidetune.server.report.run_figures import run_page
     from slidetune.server.report.run_report import json_text, print_report, report
 
+    arm = urdf_choice(urdf, package_dir, tip, total_mass)
+    if not preset and arm is None:
+        raise typer.BadParameter("give a preset, a YAML file, or --urdf FILE", param_hint="PRESET")
     take_laws(law)
-    experiment = load_preset(preset)
+    experiment = chosen_experiment(preset, arm, console)
     horizon = experiment.simulation.horizon
     if not since < horizon:
         text = f"must be less than the horizon of {horizon:g} s, got {since:g}."
@@ -177,8 +203,9 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep, fit, reference, log, identify):
+for command in (tune, robustness, sweep, fit, doctor, arms, reference, log, identify):
     cli.command()(command)
+cli.add_typer(arm_cli, name="arm")
 
 
 def _tell(error: Exception) -> None:

@@ -2,13 +2,46 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 
-PresetOption = Annotated[str, typer.Option(help="Name of a preset, or a YAML file.")]
+PresetOption = Annotated[
+    str,
+    typer.Option(
+        help="Name of a preset, or a YAML file; by default paper, or with --urdf an experiment "
+        "made for that arm."
+    ),
+]
+UrdfOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--urdf", metavar="FILE", help="An arm of your own; slidetune doctor tells of it."
+    ),
+]
+PackageDirOption = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--package-dir",
+        metavar="DIR",
+        help="Folder in or beside which packages of meshes lie. May be given several times.",
+    ),
+]
+TipOption = Annotated[
+    str,
+    typer.Option(metavar="LINK", help="Link at the arm's end; by default of the longest chain."),
+]
+TotalMassOption = Annotated[
+    float | None,
+    typer.Option(
+        "--total-mass",
+        metavar="KG",
+        help="Mass of the whole arm, spread by volume over links without one.",
+    ),
+]
 LawOption = Annotated[
     list[Path] | None,
     typer.Option(
@@ -28,6 +61,24 @@ PageOption = Annotated[
     str, typer.Option("--html", metavar="FILE", help="Write a page of figures; works offline.")
 ]
 
+
+@dataclass(frozen=True)
+class UrdfChoice:
+    """An arm that the command line names.
+
+    Attributes:
+        file: its URDF.
+        package_dirs: folders of its packages.
+        tip: link at its end; empty for the end of its longest chain.
+        total_mass: of the whole arm in [kg].
+    """
+
+    file: Path
+    package_dirs: tuple[Path, ...] = ()
+    tip: str = ""
+    total_mass: float | None = None
+
+
 console = Console(stderr=True, highlight=False)
 
 
@@ -41,6 +92,23 @@ def take_laws(paths: list[Path] | None) -> None:
         from slidetune.server.law_files.law_files import LawFiles
 
         LawFiles(paths).take()
+
+
+def urdf_choice(
+    urdf: Path | None, package_dirs: list[Path] | None, tip: str, total_mass: float | None
+) -> UrdfChoice | None:
+    """Return the arm that the command line names, ``None`` if it names none.
+
+    Raises:
+        typer.BadParameter: for an option that says something of an arm that isn't named.
+    """
+    if urdf is None:
+        given = {"--package-dir": package_dirs, "--tip": tip, "--total-mass": total_mass}
+        for option, value in given.items():
+            if value:
+                raise typer.BadParameter("says something of --urdf FILE", param_hint=option)
+        return None
+    return UrdfChoice(urdf, tuple(package_dirs or ()), tip, total_mass)
 
 
 def output() -> Console:

@@ -12,10 +12,15 @@ from slidetune.server.cli_options import (
     CsvOption,
     JsonOption,
     LawOption,
+    PackageDirOption,
     PresetArgument,
+    TipOption,
+    TotalMassOption,
+    UrdfOption,
     console,
     output,
     take_laws,
+    urdf_choice,
 )
 
 # Everything that is slow to import waits for the command that needs it.
@@ -76,6 +81,10 @@ def tune(
     ] = "",
     json: JsonOption = "",
     law: LawOption = None,
+    urdf: UrdfOption = None,
+    package_dir: PackageDirOption = None,
+    tip: TipOption = "",
+    total_mass: TotalMassOption = None,
 ) -> None:
     """Search for the gains of a lane that keep to the experiment's goals.
 
@@ -84,15 +93,16 @@ def tune(
     is lost.
     """
     from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
-    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_report import json_text
     from slidetune.server.report.study_bar import search_with_bar
     from slidetune.server.report.study_file import wanted_tuning
     from slidetune.server.report.study_report import print_tuning, tuning_document
 
+    arm = urdf_choice(urdf, package_dir, tip, total_mass)
     take_laws(law)
-    experiment = load_preset(preset)
+    experiment = chosen_experiment(preset, arm, console)
     given = {
         "lane": lane or None,
         "trials": trials,
@@ -130,20 +140,25 @@ def robustness(
     scheduler: SchedulerOption = "",
     json: JsonOption = "",
     law: LawOption = None,
+    urdf: UrdfOption = None,
+    package_dir: PackageDirOption = None,
+    tip: TipOption = "",
+    total_mass: TotalMassOption = None,
 ) -> None:
     """Run a lane at many draws of what the experiment calls uncertain.
 
     Exit status: 0 where every draw keeps every hard goal, 4 where one does not, 2 if something is
     refused or the cluster is lost.
     """
-    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_report import json_text
     from slidetune.server.report.study_bar import draws_with_bar
     from slidetune.server.report.study_report import print_robustness, robustness_document
 
+    arm = urdf_choice(urdf, package_dir, tip, total_mass)
     take_laws(law)
-    experiment = load_preset(preset)
+    experiment = chosen_experiment(preset, arm, console)
     name = lane or next(iter(experiment.lanes))
     check_outputs(json)
     with _executor(workers, scheduler) as executor:
@@ -172,20 +187,25 @@ def sweep(
     csv: CsvOption = "",
     json: JsonOption = "",
     law: LawOption = None,
+    urdf: UrdfOption = None,
+    package_dir: PackageDirOption = None,
+    tip: TipOption = "",
+    total_mass: TotalMassOption = None,
 ) -> None:
     """Run a lane at every combination of the values of one or two fields.
 
     Exit status: 0, or 2 if something is refused or the cluster is lost.
     """
-    from slidetune.robot.experiment.presets import load_preset
+    from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_report import json_text
     from slidetune.server.report.study_bar import sweep_with_bar
     from slidetune.server.report.study_file import wanted_axes
     from slidetune.server.report.study_report import print_sweep, sweep_document, sweep_lines
 
+    arm = urdf_choice(urdf, package_dir, tip, total_mass)
     take_laws(law)
-    experiment, found = load_preset(preset), wanted_axes(axes)
+    experiment, found = chosen_experiment(preset, arm, console), wanted_axes(axes)
     name = lane or next(iter(experiment.lanes))
     check_outputs(csv, json)
     with _executor(workers, scheduler) as executor:

@@ -2,6 +2,7 @@
 /** Puts the screen together and opens the line to the server. */
 
 import {Api} from './api/api.js';
+import {Arms} from './arms/arms.js';
 import {beginAnewForAnother} from './api/arm.js';
 import {mount as mountControls} from './experiment/panel.js';
 import {mountHeader} from './page/header.js';
@@ -38,13 +39,14 @@ const preview = new Preview(api);
 const before = new ResponseBefore(api, preview);
 const tell = mountNotices(part('notices'));
 const presets = new Presets(api, history, tell);
+const arms = new Arms(api, history, tell);
 const pressed = keyHandler(api, history);
 const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics')};
 
 mountSkipLinks(part('skip'), part('workspace'));
-mountHeader(part('header'), api, history, presets, mountImport(api, history, tell));
+mountHeader(part('header'), api, history, presets, mountImport(api, history, tell, arms));
 mountBanner(part('banner'), api);
-mountControls(parts.tune, api, history, tell, preview);
+mountControls(parts.tune, api, history, tell, preview, arms);
 mountScene(part('scene'), api, pressed);
 mountTransport(part('transport'), api);
 mountScrub(part('transport'), api, history, tell);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,13 @@ from slidetune.robot.advice.adapted_gain import adapted_gain
 from slidetune.robot.advice.remark import Advice, short
 from slidetune.robot.advice.sampling import implicit, sampled_arm_instead, sampling, sign
 from slidetune.robot.advice.torque_need import initial_torque, required_torque, start
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.field_path import field_path
 from slidetune.robot.fields.quantity import bounds
+from slidetune.robot.fields.units import in_units_of
 from slidetune.robot.kernels.workspace import LEAKAGE, NETWORK_SLOPE, TAU, S
 from slidetune.robot.laws import SHIPPED
 from slidetune.robot.laws.terms.network import NetworkGains
@@ -262,4 +265,6 @@ def advice_on(packed: Packed, name: str) -> list[Advice]:
         _fast_disturbance,
         _unused,
     )
-    return [one for check in checks for one in check(packed, name)]
+    slides = arm_named(packed.experiment.robot.model).slides
+    found = [one for check in checks for one in check(packed, name)]
+    return [replace(one, message=in_units_of(one.message, slides)) for one in found]

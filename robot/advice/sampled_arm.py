@@ -7,6 +7,7 @@ preset's gains of the same laws.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.advice.torque_need import required_torque
+from slidetune.robot.arm.known import SHIPPED
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.merge_patch import difference
@@ -47,20 +49,21 @@ def sampled_arm(packed: Packed) -> SampledArm | None:
 
     It is offered only where every lane's loop holds with it and the motors are strong enough for
     the motion. ``None`` elsewhere, where no lane is that unstable, where the arm is that one
-    already, and where a law fails.
+    already or another one than the shipped one, and where a law fails.
 
     Args:
         packed: the experiment as numbers.
     """
-    if packed.experiment.simulation.mode != "sampled":
+    experiment = packed.experiment
+    if experiment.simulation.mode != "sampled" or experiment.robot.model != SHIPPED:
         return None
-    versions = tuple(own_versions(packed.experiment.lanes).items())
-    return _offer(packed.experiment.model_dump_json(), versions)
+    versions = tuple(own_versions(experiment.lanes).items())
+    return _offer(experiment.model_dump_json(), versions)
 
 
 @lru_cache(maxsize=8)
 def _offer(text: str, _: tuple[tuple[str, str], ...]) -> SampledArm | None:
-    experiment = Experiment.model_validate_json(text)
+    experiment = Experiment.from_document(json.loads(text))
     try:
         source = read_preset(SHIPPED_FOLDER / f"{PRESET}.yaml")
     except SlidetuneError:

@@ -22,10 +22,12 @@ def home_pose(model: pin.Model, tip: str) -> tuple[float, ...]:
 
     Of poses drawn from the middle half of each joint's way, the one with the greatest
 
-    .. math:: \sigma_{min}(J) \, \min(1, 0.6 / \max_j |G_j|/\tau_{max,j})^2
+    .. math:: \sigma_{min}(J) \, \lambda_{min}(N^{-1/2} M N^{-1/2}) \,
+        \min(1, 0.6 / \max_j |G_j|/\tau_{max,j})^2, \qquad N = \operatorname{diag} M
 
     with the smallest singular value of the tip's Jacobian, whose lengths are in units of the arm's
-    own, and gravity's torque over the effort limit (ours).
+    own, a measure of how well each joint can be moved alone, which is 1 where none moves another,
+    and gravity's torque over the effort limit (ours).
 
     Args:
         model: a serial arm.
@@ -63,11 +65,13 @@ def _size(model: pin.Model, frame: int) -> float:
 
 
 def _merit(model: pin.Model, data: pin.Data, frame: int, q: Array, scale: float) -> float:
-    J = np.array(
-        pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-    )
+    found = pin.computeFrameJacobian(model, data, q, frame, pin.LOCAL_WORLD_ALIGNED)
+    J = np.array(found).reshape(6, model.nv)  # of one joint it comes as a vector
     J[:3] /= scale
     singular = float(np.linalg.svd(J, compute_uv=False).min())
+    upper = np.triu(np.reshape(pin.crba(model, data, q), (model.nv, model.nv)))
+    root = 1.0 / np.sqrt(np.diagonal(upper))
+    alone = float(np.linalg.eigvalsh((root[:, None] * upper * root).T).min())
     effort = np.where(model.effortLimit > 0.0, model.effortLimit, np.inf)
     load = float(np.max(np.abs(pin.computeGeneralizedGravity(model, data, q)) / effort))
-    return singular * min(1.0, _LOADED / max(load, 1e-12)) ** 2
+    return singular * alone * min(1.0, _LOADED / max(load, 1e-12)) ** 2

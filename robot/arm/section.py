@@ -115,7 +115,7 @@ class Robot(Section):
         title="Torque limit",
         symbol="τ_max",
         unit="N·m",
-        low=1.0,
+        low=0.01,
         high=5000.0,
         step=1.0,
         scale="log",

@@ -72,6 +72,7 @@ def examine(
     package_dirs: Sequence[Path] = (),
     tip: str | None = None,
     total_mass: float | None = None,
+    within: Path | None = None,
 ) -> Examined:
     """Examine a URDF and load the arm in it.
 
@@ -80,6 +81,7 @@ def examine(
         package_dirs: folders in which, or beside which, the packages of its meshes lie.
         tip: the link at the arm's end; by default the end of the longest serial chain.
         total_mass: of the whole arm in [kg], spread by volume over links without a physical one.
+        within: the folder outside of which no mesh is opened, for files of somebody else.
 
     Returns:
         All findings, and the arm if none of them is a refusal. Nothing is raised for what a file
@@ -99,7 +101,7 @@ def examine(
         if not folder.is_dir():
             text = f"{written(str(folder))} is no folder"
             findings.note("package folder", None, text, "give the folder that holds the package")
-    meshes = Meshes(MeshFiles(path, package_dirs), MeshReader())
+    meshes = Meshes(MeshFiles(path, package_dirs, within), MeshReader())
     arm = _arm(description, meshes, tip, total_mass, findings)
     return Examined(name, findings.ordered(), None if findings.refused else arm)
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from io import StringIO
+from math import isfinite
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from slidetune.robot.arm.serial import SerialArm
 from slidetune.robot.doctor.examine import Examined
 from slidetune.robot.doctor.urdf.finding import KINDS
 from slidetune.robot.fields.written_value import written
@@ -58,3 +62,33 @@ def report(examined: Examined, width: int = _WIDTH) -> str:
             table.add_row(*(Text(cell) for cell in cells))
         console.print(table)
     return page.getvalue()
+
+
+def examined_document(examined: Examined) -> dict[str, Any]:
+    """Return what the doctor says as plain JSON values; a limit that isn't there is ``None``."""
+    arm = examined.arm
+    return {
+        "name": examined.name,
+        "summary": summary(examined),
+        "findings": [asdict(finding) for finding in examined.findings],
+        "arm": None
+        if arm is None
+        else {
+            "tip": arm.tip,
+            "joints": [
+                {"name": name, **{key: _finite(value) for key, value in limits.items()}}
+                for name, limits in zip(arm.joints, _limits(arm), strict=True)
+            ],
+            "held": list(arm.held),
+        },
+    }
+
+
+def _limits(arm: SerialArm) -> list[dict[str, float]]:
+    keys = ("lower", "upper", "velocity", "effort")
+    rows = zip(arm.lower, arm.upper, arm.velocity, arm.effort, strict=True)
+    return [dict(zip(keys, row, strict=True)) for row in rows]
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None

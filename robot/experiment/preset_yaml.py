@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from io import StringIO
 from typing import Any, get_args
@@ -12,20 +13,23 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString, LiteralScalarString
 
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import FORMAT, Experiment
 from slidetune.robot.experiment.migration import migrated
 from slidetune.robot.experiment.plain_yaml import is_plain_text, read_plain_yaml
 from slidetune.robot.fields.quantity import Section
+from slidetune.robot.fields.units import ANGLES, unit_of_joints
 from slidetune.robot.laws import LAWS
 
 COMMENT_COLUMN = 32
 
-_HEADER = f"""\
-Slidetune experiment, format {FORMAT}. Run it: python -m slidetune run FILE
-A value per joint is one number for all six or a list of six. A line that is left out keeps its
+_HEADER = """\
+Slidetune experiment, format {format}. Run it: python -m slidetune run FILE
+A value per joint is {values}. A line that is left out keeps its
 default; an unknown one is refused with its line number.
 """
+_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven", 8: "eight"}
 _GROUPS = ("Tag", "", "Sliding surface", "Reaching", "RBF network")
 _WHERE_GIVEN = ("goals", "uncertainty")
 """Sections that are written only where they say something."""
@@ -70,8 +74,8 @@ def experiment_to_yaml(experiment: Experiment) -> str:
 
     Every number carries a comment with its symbol, unit, equation and name.
     """
-    document = _section(experiment, 0)
-    document.yaml_set_start_comment(_HEADER)
+    document = _section(experiment, 0, arm_named(experiment.robot.model).slides)
+    document.yaml_set_start_comment(_header(experiment.joints))
     yaml = YAML(pure=True)
     yaml.Representer = _Representer
     yaml.width = 1 << 20
@@ -80,7 +84,14 @@ def experiment_to_yaml(experiment: Experiment) -> str:
     return text.getvalue()
 
 
-def _section(section: Section, level: int) -> CommentedMap:
+def _header(joints: int) -> str:
+    words = "both" if joints == 2 else f"all {_COUNTS.get(joints, joints)}"
+    number = _COUNTS.get(joints, str(joints))
+    values = f"one number for {words} or a list of {number}" if joints > 1 else "one number"
+    return _HEADER.format(format=FORMAT, values=values)
+
+
+def _section(section: Section, level: int, slides: Sequence[bool]) -> CommentedMap:
     """Return a section's values with their comments, nested ``level`` deep."""
     fields = type(section).model_fields
     mapping, heading = CommentedMap(), ""
@@ -88,13 +99,13 @@ def _section(section: Section, level: int) -> CommentedMap:
         info, value = fields[name], getattr(section, name)
         if name in _WHERE_GIVEN and value == info.get_default(call_default_factory=True):
             continue
-        mapping[name] = _plain(name, value, level)
+        mapping[name] = _plain(name, value, level, slides)
         title = _heading(info, value) if level == 0 else str(_extra(info).get("group", ""))
         if title and title != heading:
             blank = "\n" if level == 0 else ""
             mapping.yaml_set_comment_before_after_key(name, f"{blank}{title}", 2 * level)
             heading = title
-        if comment := _comment(name, info, value):
+        if comment := _comment(name, info, value, slides):
             mapping.yaml_add_eol_comment(comment, name, column=COMMENT_COLUMN)
     return mapping
 
@@ -105,11 +116,13 @@ def _place(name: str, info: FieldInfo) -> int:
     return _GROUPS.index(group) if group in _GROUPS else len(_GROUPS)
 
 
-def _plain(name: str, value: Any, level: int) -> Any:
+def _plain(name: str, value: Any, level: int, slides: Sequence[bool]) -> Any:
     if isinstance(value, Section):
-        return _section(value, level + 1)
+        return _section(value, level + 1, slides)
     if isinstance(value, dict):
-        return CommentedMap((_text(key), _section(item, level + 2)) for key, item in value.items())
+        return CommentedMap(
+            (_text(key), _section(item, level + 2, slides)) for key, item in value.items()
+        )
     if isinstance(value, tuple):
         items = CommentedSeq(_number(item) for item in value)
         items.fa.set_flow_style()
@@ -150,13 +163,15 @@ def _heading(info: FieldInfo, value: Any) -> str:
     return info.description or "" if isinstance(value, dict) else ""
 
 
-def _comment(name: str, info: FieldInfo, value: Any) -> str:
+def _comment(name: str, info: FieldInfo, value: Any, slides: Sequence[bool]) -> str:
     """Return symbol, unit, equation and name of a value, and the choices where it has some."""
     if name == "law":
         return LAWS[value].summary
     extra = _extra(info)
     if not extra:
         return ""
+    if "unit" in extra and name not in ANGLES:
+        extra = {**extra, "unit": unit_of_joints(str(extra["unit"]), slides)}
     facts = [str(extra[key]) for key in ("symbol", "unit", "equation") if key in extra]
     choices = [str(choice) for choice in get_args(info.annotation) if isinstance(choice, str)]
     title = info.title or name

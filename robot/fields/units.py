@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 BETWEEN = " | "
 """Between the unit for joints that turn and the one for joints that slide."""
 _SLIDING = (("N·m", "N"), ("kg·m²", "kg"), ("mrad", "mm"), ("rad", "m"))
+
+_IN_TEXT = re.compile(r"(?<![\w·])(?:kg·m²|N·m(?:·s)?|m?rad)(?:/(?:rad|s²|s))?(?![\w·/²])")
+"""Units of joints within a text."""
+ANGLES = ("phase", "angular_frequency")
+"""Fields of joints that are angles of a sine, and stay so where a joint slides."""
 
 
 def sliding(unit: str) -> str:
@@ -30,3 +36,10 @@ def unit_of_joints(unit: str, slides: Sequence[bool]) -> str:
     if other == unit or not any(slides):
         return unit
     return other if all(slides) else f"{unit}{BETWEEN}{other}"
+
+
+def in_units_of(text: str, slides: Sequence[bool]) -> str:
+    """Return a text about joints with their units: `5 N·m` is `5 N` where all of them slide."""
+    if not any(slides):
+        return text
+    return _IN_TEXT.sub(lambda found: unit_of_joints(found[0], slides), text)

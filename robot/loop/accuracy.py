@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.arm.description.figures import MAX_JOINT_SPEED
+from slidetune.robot.arm.known import SHIPPED, arm_named
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.quantity import bounds
+from slidetune.robot.fields.units import in_units_of
 
 Array = np.ndarray
 
@@ -146,7 +148,7 @@ def judge(
             f"{unconverged} {'step was' if unconverged == 1 else 'steps were'} not solved to "
             f"tolerance: the residual is up to {left:.1g} rad/s."
         )
-    simulation = experiment.simulation
+    simulation, shipped = experiment.simulation, experiment.robot.model == SHIPPED
     rough = capped > ROUGH * simulation.horizon / simulation.row_period
     if rough:
         texts.append(
@@ -170,11 +172,14 @@ def judge(
         words, patch = _finer(experiment.simulation, error)
         texts.append(words)
     if wild:
+        rated = "where the arm is rated for" if shipped else "where arms are rated for about"
         texts.append(
-            f"Joint velocities reach {fastest:.3g} rad/s, where the arm is rated for "
+            f"Joint velocities reach {fastest:.3g} rad/s, {rated} "
             f"{MAX_JOINT_SPEED:g}: in a motion like this small errors grow, and the true error can "
             "be many times the estimate."
         )
+    slides = arm_named(experiment.robot.model).slides
+    texts = [in_units_of(text, slides) for text in texts]
     known = None if error is None else float(error)
     at_least = error is not None and (wild or by_steps or rough or damped > 0.0)
     return Accuracy(known, unconverged, capped, at_least, " ".join(texts), patch)

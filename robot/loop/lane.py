@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
+from slidetune.robot.fields.units import in_units_of
 from slidetune.robot.integrator.cutting import BUCKETS, cutting_of
 from slidetune.robot.integrator.implicit_step import MAX_ANGLE, MAX_VELOCITY
 from slidetune.robot.kernels.for_joints import for_joints
@@ -252,10 +254,9 @@ class Lane:
             cause = f"The law's torque at joint {joint} was not a number at {time:.3f} s."
             self.freeze = Freeze(time, joint, f"{cause} Choose other gains, then reset.")
             return
-        cause = (
-            f"Joint {joint} left its bounds (±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s) "
-            f"at {time:.3f} s."
-        )
+        slides = arm_named(packed.experiment.robot.model).slides[joint - 1]
+        bounds = f"±{MAX_ANGLE:g} rad, ±{MAX_VELOCITY:g} rad/s"
+        cause = f"Joint {joint} left its bounds ({in_units_of(bounds, [slides])}) at {time:.3f} s."
         simulation, lag = packed.experiment.simulation, bool(np.any(packed.environment[LAG]))
         if simulation.mode == "sampled":
             margin = margin_at(packed, self.name, time)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.goals.section import CHANNELS, LATEST, FigureGoal, Goal, ResponseGoal
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.loop.metrics import Metrics
@@ -137,10 +138,16 @@ def unit_of(goal: Goal) -> str:
     return FIGURES[goal.figure].unit if isinstance(goal, FigureGoal) else ""
 
 
-def said(goal: Goal) -> str:
-    """Return a goal in words, such as ``|e₂| ≤ 0.005 rad from 1 s on``."""
+def said(goal: Goal, slides: Sequence[bool] = ()) -> str:
+    """Return a goal in words, such as ``|e₂| ≤ 0.005 rad from 1 s on``.
+
+    Args:
+        goal: the goal.
+        slides: which joints of the arm slide; without it none.
+    """
     joint = f" of joint {goal.joint}" if goal.joint else ""
-    bound = f"{goal.bound:g} {unit_of(goal)}".strip()
+    concerned = slides[goal.joint - 1 : goal.joint] if goal.joint else slides
+    bound = f"{goal.bound:g} {unit_of_joints(unit_of(goal), concerned)}".strip()
     if isinstance(goal, FigureGoal):
         return f"{FIGURES[goal.figure].title}{joint} ≤ {bound}"
     assert isinstance(goal, ResponseGoal)

@@ -7,8 +7,10 @@ from typing import Any
 
 from numba.core import event
 
+from slidetune.robot.arm.known import SHIPPED, arm_named
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
+from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.kernels.compiler import compiled_count, mark_warm
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.closed_loop import ClosedLoop
@@ -32,9 +34,12 @@ class _Listener(event.Listener):
         self._progress(*compiled_count())
 
 
-def _experiment(law: str, mode: str) -> Experiment:
+def _experiment(law: str, mode: str, model: str = SHIPPED) -> Experiment:
     simulation = {"mode": mode, "horizon": 0.1, "step": 0.005, "control_rate": 200.0}
-    return Experiment.from_document({"lanes": {"A": {"law": law}}, "simulation": simulation})
+    lanes = {"A": {"law": law}}
+    return Experiment.from_document(
+        {"robot": {"model": model}, "lanes": lanes, "simulation": simulation}
+    )
 
 
 def _use(experiment: Experiment) -> None:
@@ -60,3 +65,28 @@ def warm_up(progress: Progress | None = None) -> None:
             for mode in ("continuous", "sampled"):
                 _use(_experiment(law, mode))
     mark_warm()
+
+
+_READY = {JOINTS}
+"""Numbers of joints that this process has kernels for."""
+
+
+def warm_up_arm(model: str) -> None:
+    """Do the same for an arm with another number of joints, once a process.
+
+    The first time ever it takes as long as for the shipped arm, else some seconds.
+
+    Args:
+        model: name of the arm.
+
+    Raises:
+        ValueError: if no arm has that name.
+    """
+    joints = arm_named(model).joints
+    if joints in _READY:
+        return
+    for law in LAWS:
+        for mode in ("continuous", "sampled"):
+            _use(_experiment(law, mode, model))
+    mark_warm(joints)
+    _READY.add(joints)

@@ -12,10 +12,12 @@ from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from slidetune.robot.errors import (
+    ArmStorageError,
     InvalidExperimentError,
     PresetConflictError,
     PresetStorageError,
     SlidetuneError,
+    UnknownArmError,
     UnknownLessonError,
     UnknownPresetError,
 )
@@ -48,8 +50,10 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (InvalidExperimentError, 422, "invalid"),
     (UnknownPresetError, 404, "unknown_preset"),
     (UnknownLessonError, 404, "unknown_lesson"),
+    (UnknownArmError, 404, "unknown_arm"),
     (PresetConflictError, 409, "conflict"),
     (PresetStorageError, 507, "storage"),
+    (ArmStorageError, 507, "storage"),
     (BusyError, 503, "busy"),
     (SessionBusyError, 503, "busy"),
     (MessageTooLargeError, 413, "too_large"),

@@ -49,7 +49,7 @@ class JointInfo(BaseModel):
 class ArmInfo(BaseModel):
     """An arm."""
 
-    name: str = Field(description="Value of `robot.model`.", examples=["jaka_zu5"])
+    name: str = Field(description="Value of `model` in the section `robot`.", examples=["jaka_zu5"])
     title: str = Field(description="Name on the screen.", examples=["JAKA Zu 5"])
     meaning: str = Field(description="The arm in one line.")
     joints: list[JointInfo] = Field(description="From base to tip.")

@@ -7,15 +7,23 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from slidetune.server.guard.errors import error_body
-from slidetune.server.guard.limits import MAX_BODY
+from slidetune.server.guard.limits import MAX_ARM, MAX_BODY
 
-TOO_LARGE = f"The body may have at most {MAX_BODY // 1024} KiB."
+_ARMS = ("POST", "/api/arms")
 # What is left of the body is not read: the connection can't carry another request.
 _CLOSE = {"connection": "close"}
 
 
+def too_large(most: int) -> str:
+    """Return the refusal of a body of more than so many bytes."""
+    return f"The body may have at most {most // 1024} KiB."
+
+
 class BodyLimit:
-    """ASGI middleware: at most ``MAX_BODY`` bytes a request, announced or not."""
+    """ASGI middleware: at most ``MAX_BODY`` bytes a request, announced or not.
+
+    An arm with its meshes may have ``MAX_ARM``.
+    """
 
     def __init__(self, app: ASGIApp) -> None:
         """Guard ``app``."""
@@ -26,15 +34,16 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
+        most = MAX_ARM if (scope["method"], scope["path"]) == _ARMS else MAX_BODY
         announced = dict(scope["headers"]).get(b"content-length", b"")
-        if announced.isdigit() and int(announced[:20]) > MAX_BODY:
-            answer = JSONResponse(error_body("too_large", TOO_LARGE), 413, _CLOSE)
+        if announced.isdigit() and int(announced[:20]) > most:
+            answer = JSONResponse(error_body("too_large", too_large(most)), 413, _CLOSE)
             await answer(scope, receive, send)
             return
-        await self._app(scope, _counted(receive), send)
+        await self._app(scope, _counted(receive, most), send)
 
 
-def _counted(receive: Receive) -> Receive:
+def _counted(receive: Receive, most: int) -> Receive:
     """Return ``receive`` that breaks off, as a refusal, where a body of unknown length grows."""
     count = 0
 
@@ -43,8 +52,8 @@ def _counted(receive: Receive) -> Receive:
         message = await receive()
         if message["type"] == "http.request":
             count += len(message.get("body", b""))
-            if count > MAX_BODY:
-                raise HTTPException(413, TOO_LARGE, _CLOSE)
+            if count > most:
+                raise HTTPException(413, too_large(most), _CLOSE)
         return message
 
     return counted

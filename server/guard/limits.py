@@ -17,7 +17,9 @@ MAX_LIVE_MESSAGE = 64 * 1024
 """Most characters of a message to the live session (*ours*): a patch of everything that there is
 takes 20 kB. A longer one is refused in words."""
 MAX_BODY = 256 * 1024
-"""Largest body of an HTTP request in bytes, on every route (*ours*)."""
+"""Largest body of an HTTP request in bytes, on every route but that for arms (*ours*)."""
+MAX_ARM = 100 * 1024 * 1024
+"""Largest description of an arm with its meshes that can be sent, in bytes (*ours*)."""
 CLIENT_RATE = 240.0
 """Messages a second that one client may send over the live WebSocket (*ours*): four times what a
 drag sends at 60 pictures a second. Frames that bring no whole message, such as pings, may come as
@@ -78,6 +80,7 @@ def limits_document() -> dict[str, int]:
         "live_message_characters": MAX_LIVE_MESSAGE,
         "message_keys": MOST_KEYS,
         "body_bytes": MAX_BODY,
+        "arm_bytes": MAX_ARM,
         "client_messages_a_second": int(CLIENT_RATE),
         "client_messages_at_once": CLIENT_BURST,
         "all_patches_a_second": int(TOTAL_RATE),

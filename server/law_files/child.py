@@ -6,14 +6,12 @@ JSON to standard output. Whatever the file does, nothing but this process can be
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from typing import Any
 
 from slidetune.robot.law_files.refused import LawFileError
 from slidetune.robot.law_files.source import Source
 from slidetune.robot.loop.law_trial import take_law
+from slidetune.server.compute.apart import answer_once
 
 
 def tried(asked: dict[str, Any]) -> dict[str, str] | None:
@@ -25,13 +23,5 @@ def tried(asked: dict[str, Any]) -> dict[str, str] | None:
     return None
 
 
-def main() -> None:
-    """Answer once."""
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what the file prints is no answer
-    answers.write(json.dumps(tried(json.load(sys.stdin))))
-    answers.flush()
-
-
 if __name__ == "__main__":
-    main()
+    answer_once(tried)

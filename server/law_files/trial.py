@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import os
-import signal
-import subprocess
-import sys
 from typing import Any
 
 from slidetune.robot.law_files.refused import LawFileError
 from slidetune.robot.law_files.source import Source
+from slidetune.server.compute.apart import LostProcessError, ask_apart
 
 LIMIT = 120.0
 """Longest time that a trial may take in [s] (*ours*): to compile a law takes some seconds, on a
@@ -34,37 +30,9 @@ def try_apart(
         LawFileError: with the lines of the file that are to blame.
     """
     asked = {"file": source.name, "text": source.text, "name": name, "document": document}
-    paths = os.pathsep.join(path for path in sys.path if path)
-    with subprocess.Popen(
-        [sys.executable, "-m", _MODULE],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": paths},
-        start_new_session=True,  # an interrupt of the server's terminal is not meant for it
-    ) as process:
-        try:
-            answer, said = process.communicate(json.dumps(asked).encode(), limit)
-        except BaseException as error:
-            process.kill()
-            if not isinstance(error, subprocess.TimeoutExpired):
-                raise
-            text = f"did not come back within {limit:g} s when it was tried, and was ended"
-            raise LawFileError(source.name, text) from error
     try:
-        refused = json.loads(answer)
-    except ValueError as error:
-        text = f"its trial {_end_of(process.returncode)}"
-        lines = said.decode(errors="replace").strip().splitlines()[-10:]
-        raise LawFileError(source.name, text, "\n".join(lines)) from error
+        refused = ask_apart(_MODULE, asked, limit)
+    except LostProcessError as error:
+        raise LawFileError(source.name, f"its trial {error.text}", error.lines) from error
     if refused is not None:
         raise LawFileError(**refused)
-
-
-def _end_of(code: int) -> str:
-    if code >= 0:
-        return f"ended the process with exit status {code}"
-    try:
-        return f"ended the process by {signal.Signals(-code).name}"
-    except ValueError:
-        return f"ended the process by signal {-code}"

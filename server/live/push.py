@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from slidetune.robot.arm.known import SHIPPED, arm_named
+from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import PUSH, Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
@@ -25,8 +26,20 @@ KICK_DURATION = 0.1
 """How long a kick lasts where nothing is said in [s] (*ours*)."""
 
 
-def usual_kick(packed: Packed) -> Array:
-    """Return the torque in [N m] of a kick where none is given. Shape (n,)."""
+def torque_of_kick(torque: tuple[float, ...] | None, packed: Packed) -> Array:
+    """Return the torque in [N m] of a kick, by default one that fits the arm. Shape (n,).
+
+    Raises:
+        InvalidExperimentError: if the arm has another number of joints.
+    """
+    joints = packed.joints
+    if torque is not None and len(torque) != joints:
+        text = f"must have a number for each of the arm's {joints} joints, got {len(torque)}"
+        raise InvalidExperimentError([FieldError("torque", text, list(torque))])
+    return _usual_kick(packed) if torque is None else np.array(torque)
+
+
+def _usual_kick(packed: Packed) -> Array:
     arm = arm_named(packed.experiment.robot.model)
     if arm.name == SHIPPED:
         return np.array(KICK)

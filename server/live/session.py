@@ -8,11 +8,8 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from threading import Event, Thread
-from typing import Any, Protocol
+from typing import Any
 
-import numpy as np
-
-from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
@@ -20,11 +17,11 @@ from slidetune.server.live.commands import Commands, Request
 from slidetune.server.live.goal_watch import GoalWatch
 from slidetune.server.live.live_figures import LiveFigures
 from slidetune.server.live.pacing import TICK, Pacer, come_first
-from slidetune.server.live.pull import Pull
-from slidetune.server.live.push import Push, usual_kick
+from slidetune.server.live.push import Push, torque_of_kick
 from slidetune.server.live.recorder import Recorder
 from slidetune.server.live.roughness import Roughness
-from slidetune.server.live.telemetry import Channel, Telemetry, rows_of
+from slidetune.server.live.telemetry import Telemetry, rows_of
+from slidetune.server.live.view import View
 
 log = logging.getLogger("slidetune.session")
 
@@ -34,30 +31,6 @@ SLICE = 16
 """Most steps between two looks at the clock (*ours*)."""
 SPEEDS = (0.1, 10.0)
 """Least and greatest speed [-] (*ours*)."""
-
-Array = np.ndarray
-
-
-class View(Protocol):
-    """What the session feeds; see ``server.scene.feed``."""
-
-    def pull(self) -> Pull | None:
-        """Return how somebody pulls at the arm, or ``None``."""
-
-    def new_lanes(self, columns: list[Channel]) -> None:
-        """Take the columns of other lanes."""
-
-    def add(self, rows: Array, period: float) -> None:
-        """Take new rows of telemetry."""
-
-    def restart(self) -> None:
-        """Forget the past: time has run back."""
-
-    def restart_lane(self, name: str) -> None:
-        """Forget one lane's past: it begins anew elsewhere."""
-
-    def draw(self, loop: ClosedLoop) -> None:
-        """Show the present, if it is time."""
 
 
 class Session:
@@ -204,17 +177,11 @@ class Session:
             SessionBusyError: if as many commands wait as may.
         """
         self.refuse_if_busy()
-        joints = self.loop.packed.joints
-        if torque is not None and len(torque) != joints:
-            text = f"torque must have a number for each of the arm's {joints} joints"
-            raise InvalidExperimentError(
-                [FieldError("torque", f"{text}, got {len(torque)}", list(torque))]
-            )
+        packed = self.loop.packed
+        pushed = torque_of_kick(torque, packed)
 
         def push() -> None:
-            packed = self.loop.packed
-            pushed = usual_kick(packed) if torque is None else np.array(torque)
-            if len(pushed) == packed.joints:  # another arm may have come in between
+            if self.loop.packed.joints == packed.joints:  # another arm may have come in between
                 self._push.kick(pushed, self.loop.time, duration)
 
         self.ask(push)

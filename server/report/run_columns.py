@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from slidetune.robot.arm.known import arm_named
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.simulate import Run
 
 Array = np.ndarray
@@ -23,7 +25,7 @@ LANE_COLUMNS = (
     ("f", "N·m"),
     ("weights", "N·m"),
 )
-"""Name and unit of a lane's groups of six columns."""
+"""Name and unit of a lane's groups of columns, where a joint turns."""
 
 _FORMULAS = ("=", "+", "-", "@")
 """How a cell begins that a spreadsheet computes when it opens a file."""
@@ -36,19 +38,23 @@ def run_columns(run: Run) -> list[tuple[str, Array]]:
 
     Rows after a lane left its bounds are NaN there.
     """
+    slides = arm_named(run.experiment.robot.model).slides
     columns = [("time [s]", run.time)]
-    columns += _joints("q_d", "rad", run.q_d) + _joints("v_d", "rad/s", run.v_d)
+    columns += _joints("q_d", "rad", run.q_d, slides) + _joints("v_d", "rad/s", run.v_d, slides)
     lanes = run.lanes.items()
     columns += _axes("flange_d", next(iter(run.lanes.values())).flange_desired)
     for name, lane in lanes:
         for group, unit in LANE_COLUMNS:
-            columns += _joints(f"{name}/{group}", unit, getattr(lane, group))
+            columns += _joints(f"{name}/{group}", unit, getattr(lane, group), slides)
         columns += _axes(f"{name}/flange", lane.flange)
     return columns
 
 
-def _joints(name: str, unit: str, block: Array) -> list[tuple[str, Array]]:
-    return [(f"{name}{joint + 1} [{unit}]", block[:, joint]) for joint in range(block.shape[1])]
+def _joints(name: str, unit: str, block: Array, slides: Sequence[bool]) -> list[tuple[str, Array]]:
+    return [
+        (f"{name}{joint + 1} [{unit_of_joints(unit, [slide])}]", block[:, joint])
+        for joint, slide in enumerate(slides)
+    ]
 
 
 def _axes(name: str, block: Array) -> list[tuple[str, Array]]:

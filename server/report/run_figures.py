@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from slidetune.robot.arm.known import arm_named
+from slidetune.robot.fields.units import in_units_of
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.report.figure_page import (
@@ -39,10 +41,12 @@ def curves(run: Run, column: Column, desired: Array | None = None) -> tuple[Curv
 
 
 def _joints(run: Run, title: str, axis: str, name: str, desired: Array | None = None) -> Section:
+    slides = arm_named(run.experiment.robot.model).slides
+
     def figure(joint: int) -> Figure:
         wanted = None if desired is None else desired[:, joint]
         lines = curves(run, lambda lane: getattr(lane, name)[:, joint], wanted)
-        return Figure(f"Joint {joint + 1}", "", axis, lines)
+        return Figure(f"Joint {joint + 1}", "", in_units_of(axis, [slides[joint]]), lines)
 
     return Section(title, tuple(figure(joint) for joint in range(run.experiment.joints)))
 

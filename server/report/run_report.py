@@ -13,8 +13,9 @@ from rich.table import Table
 from rich.text import Text
 
 from slidetune.robot.advice.advice import advice_on
-from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.packed import Packed, pack
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES, Figure, figures_of
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.robot.margins.margin import loop_margin
@@ -44,7 +45,7 @@ def report(run: Run, since: float = 0.0) -> Document:
         run: the run.
         since: beginning of the span that the figures cover in [s].
     """
-    packed = pack(run.experiment)
+    packed, slides = pack(run.experiment), arm_named(run.experiment.robot.model).slides
     lanes = {
         name: {
             "metrics": _metrics(lane, since),
@@ -58,7 +59,7 @@ def report(run: Run, since: float = 0.0) -> Document:
     return {
         "slidetune": __version__,
         "since": since,
-        "units": UNITS,
+        "units": {name: unit_of_joints(unit, slides) for name, unit in UNITS.items()},
         "lanes": lanes,
         "experiment": run.experiment.document(),
     }
@@ -96,9 +97,9 @@ def figure_text(figure: Figure, value: float | None) -> str:
     return f"{shown:,.0f}" if abs(shown) >= 1000.0 else f"{shown:.{figure.digits + _MORE_DIGITS}g}"
 
 
-def heading(figure: Figure) -> str:
-    """Return what stands over a figure as people read it."""
-    return f"{figure.heading} [{figure.shown_unit}]"
+def heading(figure: Figure, slides: Sequence[bool] = ()) -> str:
+    """Return what stands over a figure as people read it, with the unit of an arm's joints."""
+    return f"{figure.heading} [{unit_of_joints(figure.shown_unit, slides)}]"
 
 
 def _table(*headings: str, first: int) -> Table:
@@ -114,10 +115,11 @@ def _add(table: Table, cells: Sequence[str]) -> None:
     table.add_row(*(Text(cell) for cell in cells))  # a lane's name is text, not markup
 
 
-def _per_joint(lanes: Document, joints: int) -> Table:
+def _per_joint(lanes: Document, slides: Sequence[bool]) -> Table:
+    joints = len(slides)
     table = _table("", "lane", *(f"J{j + 1}" for j in range(joints)), first=2)
     for figure in _PER_JOINT:
-        title = heading(figure)
+        title = heading(figure, slides)
         for name, lane in lanes.items():
             values = (lane["metrics"] or {}).get(figure.name, [None] * joints)
             _add(table, [title, name, *(figure_text(figure, value) for value in values)])
@@ -126,10 +128,11 @@ def _per_joint(lanes: Document, joints: int) -> Table:
     return table
 
 
-def _overall(lanes: Document) -> Table:
+def _overall(lanes: Document, slides: Sequence[bool]) -> Table:
     last = (_ESTIMATE, FIGURES[_APART])
-    titles = (f"{figure.title} [{figure.shown_unit}]" for figure in last)
-    table = _table("lane", *(heading(figure) for figure in _OVERALL), *titles, first=1)
+    units = [unit_of_joints(figure.shown_unit, slides) for figure in last]
+    titles = (f"{figure.title} [{unit}]" for figure, unit in zip(last, units, strict=True))
+    table = _table("lane", *(heading(figure, slides) for figure in _OVERALL), *titles, first=1)
     for name, lane in lanes.items():
         metrics, frozen = lane["metrics"] or {}, lane["frozen"] or {}
         values = [metrics.get(figure.name) for figure in _OVERALL]
@@ -142,13 +145,18 @@ def _overall(lanes: Document) -> Table:
 def print_report(document: Document, console: Console) -> None:
     """Print what ``report`` returned."""
     experiment, lanes = document["experiment"], document["lanes"]
-    simulation, joints = experiment["simulation"], Experiment.from_document(experiment).joints
+    simulation, slides = experiment["simulation"], arm_named(experiment["robot"]["model"]).slides
+    joints = len(slides)
     console.print(Text(experiment["title"] or "Untitled experiment", style="bold"))
     span = f"{document['since']:g} to {simulation['horizon']:g} s, {simulation['mode']}"
     each = f"J1 to J{joints} are the joints" if joints > 1 else "J1 is its joint"
     console.print(Text(f"Figures over {span}; {each}."))
-    console.print(_per_joint(lanes, joints))
-    console.print(_overall(lanes))
+    if len(set(slides)) > 1:
+        sliding = ", ".join(f"J{joint}" for joint, slide in enumerate(slides, 1) if slide)
+        text = f"The second unit is that of {sliding}, which slide; a total mixes both."
+        console.print(Text(text))
+    console.print(_per_joint(lanes, slides))
+    console.print(_overall(lanes, slides))
     for name, lane in lanes.items():
         if lane["frozen"]:
             head = Text(f"{name} diverged: ", style="red")

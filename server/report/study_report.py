@@ -10,7 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.verdict import said
 from slidetune.robot.study.results import robustness_result, tuning_result, worst_result
@@ -70,7 +72,8 @@ def sweep_lines(
     experiment: Experiment, axes: Sequence[Axis], points: Sequence[Point]
 ) -> Iterator[str]:
     """Yield a sweep as CSV, SI units in the heading."""
-    figures = [f"{name} [{FIGURES[name].unit}]" for name in STUDIED]
+    slides = _slides(experiment)
+    figures = [f"{name} [{unit_of_joints(FIGURES[name].unit, slides)}]" for name in STUDIED]
     ratios = [f'"ratio of {name}"'.replace(",", ";") for name in experiment.goals]
     ended = f"{_ENDED.title} [{_ENDED.unit}]"
     yield ",".join([*(one.field for one in axes), *figures, *ratios, ended]) + "\n"
@@ -78,6 +81,10 @@ def sweep_lines(
         one = point.outcome
         cells = [*point.values, *one.figures.values(), *one.ratios.values(), one.diverged_at]
         yield ",".join("" if cell is None else f"{cell:.9g}" for cell in cells) + "\n"
+
+
+def _slides(experiment: Experiment) -> tuple[bool, ...]:
+    return arm_named(experiment.robot.model).slides
 
 
 def _number(value: float | None) -> str:
@@ -105,7 +112,7 @@ def _row(table: Table, *cells: str) -> None:
 
 def print_tuning(experiment: Experiment, document: Document, console: Console) -> None:
     """Print what ``tuning_document`` returned: goals and gains, before and after."""
-    present, best = document["present"], document["best"]
+    present, best, slides = document["present"], document["best"], _slides(experiment)
     if best is None:
         console.print(Text("No trial came to its end.", style="red"))
         return
@@ -119,7 +126,7 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
     goals = _table("goal", "", "before", "after")
     for name, goal in experiment.goals.items():
         ratios = (one["outcome"]["ratios"][name] for one in (present, best))
-        _row(goals, f"{name}: {said(goal)}", goal.priority, *map(ratio_text, ratios))
+        _row(goals, f"{name}: {said(goal, slides)}", goal.priority, *map(ratio_text, ratios))
     console.print(goals)
     counts = " Ratios and figures are those of the draw that counts." if tuning["draws"] else ""
     console.print(Text(f"1 is just met; before is the lane as it is.{counts}"))
@@ -127,7 +134,7 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
     for name in STUDIED:
         values = (one["outcome"]["figures"][name] for one in (present, best))
         shown = (figure_text(FIGURES[name], value) for value in values)
-        _row(figures, heading(FIGURES[name]), *shown)
+        _row(figures, heading(FIGURES[name], slides), *shown)
     console.print(figures)
     gains = _table("gain", "before", "after")
     for name, value in best["values"].items():
@@ -139,17 +146,17 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
 
 def print_robustness(experiment: Experiment, document: Document, console: Console) -> None:
     """Print what ``robustness_document`` returned."""
-    count = len(document["draws"])
+    count, slides = len(document["draws"]), _slides(experiment)
     shares = f"{document['diverged']:.1%} diverged, {document['kept']:.1%} kept every hard goal"
     console.print(Text(f"{document['lane']}: {count} draws, {shares}"))
     table = _table("", *QUANTILES)
     found = document["quantiles"]
     for name in STUDIED:
         cells = (figure_text(FIGURES[name], found["figures"][name][label]) for label in QUANTILES)
-        _row(table, heading(FIGURES[name]), *cells)
+        _row(table, heading(FIGURES[name], slides), *cells)
     for name, goal in experiment.goals.items():
         cells = (ratio_text(found["ratios"][name][label]) for label in QUANTILES)
-        _row(table, f"ratio of {name}: {said(goal)}", *cells)
+        _row(table, f"ratio of {name}: {said(goal, slides)}", *cells)
     console.print(table)
     worst = document["worst_found"]
     if worst is not None:
@@ -162,8 +169,8 @@ def print_sweep(
     experiment: Experiment, axes: Sequence[Axis], points: Sequence[Point], console: Console
 ) -> None:
     """Print a sweep as a table."""
-    goals = [f"ratio of {name}" for name in experiment.goals]
-    headings = (heading(FIGURES[name]) for name in STUDIED)
+    goals, slides = [f"ratio of {name}" for name in experiment.goals], _slides(experiment)
+    headings = (heading(FIGURES[name], slides) for name in STUDIED)
     table = _table(*(one.field for one in axes), *headings, *goals, "")
     for point in points:
         one = point.outcome

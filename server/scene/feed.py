@@ -19,6 +19,7 @@ from slidetune.server.live.recorder import Moment
 from slidetune.server.live.telemetry import Channel
 from slidetune.server.scene.replay import Replay
 from slidetune.server.scene.scene import LaneStyle, Scene, SceneFrame
+from slidetune.server.scene.shape import shape_of
 
 Array = np.ndarray
 
@@ -105,6 +106,10 @@ class SceneFeed:
         """Clear one lane's trail."""
         self._blocks.clear()
         self._guarded(lambda: self.scene.clear_trail(name))
+
+    def prepare(self, model: str) -> None:
+        """Read an arm's meshes, away from the session's thread."""
+        self._guarded(lambda: shape_of(model))
 
     def draw(self, loop: ClosedLoop) -> None:
         """Show the present, at most 30 times a second."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -20,6 +21,8 @@ from slidetune.robot.doctor.meshes.shape import MeshReader
 from slidetune.server.scene.ghost_mesh import ghost_mesh
 
 Array = np.ndarray
+
+log = logging.getLogger("slidetune.scene")
 
 KEPT = 8
 """How many arms' looks are kept (*ours*)."""
@@ -163,10 +166,19 @@ def _pieces(arm: KnownArm) -> tuple[bytes, ...]:
     reader = MeshReader()
     pieces = []
     for joint in range(arm.joints + 1):
-        parts = [_part(visual, reader) for visual in arm.visuals if visual.joint == joint]
-        drawn = [part for part in parts if part is not None]
-        pieces.append(_glb(drawn) if drawn else b"")
+        pieces.append(_piece([one for one in arm.visuals if one.joint == joint], reader))
     return tuple(pieces)
+
+
+def _piece(visuals: list[Visual], reader: MeshReader) -> bytes:
+    """Return the GLB of visuals; empty where there is nothing, or nothing that can be drawn."""
+    try:
+        drawn = [part for visual in visuals if (part := _part(visual, reader)) is not None]
+        return _glb(drawn) if drawn else b""
+    except Exception:
+        # What a mesh may hold knows no bounds; an arm that isn't drawn can still be tuned.
+        log.exception("a piece of an arm can't be drawn")
+        return b""
 
 
 def _part(visual: Visual, reader: MeshReader) -> trimesh.Trimesh | None:

@@ -14,6 +14,7 @@ from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.law_files.fitted import fitted
 from slidetune.robot.laws import register
 from slidetune.robot.laws.law import Law
+from slidetune.server.compute.arm_kernels import load_kernels
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 
@@ -122,6 +123,7 @@ class Document:
         """
         with self._lock:
             packed = pack(experiment)
+            self._ready(experiment)
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, None, author, None)
             self.baseline, self.preset = experiment, preset
@@ -197,6 +199,8 @@ class Document:
         self._colors.assign(list(packed.gains))
         self.baseline = _renamed(self.baseline, self.experiment, packed.experiment)
         other_arm = packed.experiment.robot.model != self.experiment.robot.model
+        if other_arm:
+            self._ready(packed.experiment)
         change = self._accept(packed, patch, author, request)
         if other_arm:  # whose states and weights are nothing to this one
             self._session.load(packed, change.revision)
@@ -204,6 +208,12 @@ class Document:
             self._session.adopt(packed, change.revision, origins)
         self._tell(change)
         return change
+
+    def _ready(self, experiment: Experiment) -> None:
+        """Compile and read what an arm takes before the session meets it: it would stand still."""
+        load_kernels(experiment.robot.model)
+        if self._session.view is not None:
+            self._session.view.prepare(experiment.robot.model)
 
     def _accept(
         self, packed: Packed, patch: Mapping[str, Any] | None, author: str, request: Any

@@ -12,9 +12,11 @@ from arro3.io import write_parquet
 from ruamel.yaml import YAML
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.plain_yaml import is_plain_text
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.study.results import result_of, table_of
 from slidetune.robot.study.study import Entry, Study
@@ -62,9 +64,14 @@ def download(
     return content, MEDIA[format]
 
 
-def unit_of(column: str) -> str:
-    """Return the unit of a column of ``table_of``, empty for none or where it is the field's."""
-    return FIGURES[column].unit if column in FIGURES else ""
+def unit_of(column: str, slides: Sequence[bool] = ()) -> str:
+    """Return the unit of a column of ``table_of``, empty for none or where it is the field's.
+
+    Args:
+        column: its name.
+        slides: which joints of the arm slide.
+    """
+    return unit_of_joints(FIGURES[column].unit, slides) if column in FIGURES else ""
 
 
 def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
@@ -72,7 +79,9 @@ def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
     table = table_of(study, entries)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(f"{name} [{unit_of(name)}]" if unit_of(name) else name for name in table)
+    slides = arm_named(study.experiment.robot.model).slides
+    units = {name: unit_of(name, slides) for name in table}
+    writer.writerow(f"{name} [{unit}]" if unit else name for name, unit in units.items())
     for row in zip(*table.values(), strict=True):
         writer.writerow("" if cell is None else cell for cell in row)
     return text.getvalue().encode()
@@ -81,7 +90,9 @@ def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
 def parquet_of(study: Study, entries: Sequence[Entry]) -> bytes:
     """Return entries as a Parquet file; each column's ``unit`` is in its metadata."""
     table = table_of(study, entries)
-    fields = [Field(name, _type(name), metadata={"unit": unit_of(name)}) for name in table]
+    slides = arm_named(study.experiment.robot.model).slides
+    units = {name: unit_of(name, slides) for name in table}
+    fields = [Field(name, _type(name), metadata={"unit": unit}) for name, unit in units.items()]
     columns = [Array(table[one.name], one.type) for one in fields]
     file = io.BytesIO()
     write_parquet(Table.from_arrays(columns, schema=Schema(fields)), file)

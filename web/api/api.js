@@ -221,6 +221,9 @@ export class Api extends EventTarget {
   /** @param {string|Document} document YAML text or a whole experiment */
   replaceExperiment(document) { return this.#make(request('PUT', '/api/experiment', document)); }
 
+  /** @param {string} name of the arm whose first experiment is begun */
+  beginArm(name) { return this.#make(request('POST', `/api/arms/${encodeURIComponent(name)}/begin`)); }
+
   /** @returns {Promise<LessonSummary[]>} */
   async lessons() { return (await request('GET', '/api/lessons')).lessons; }
 

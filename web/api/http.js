@@ -39,10 +39,19 @@ async function refusal(response) {
   }
 }
 
+/** @param {string|object} [body] */
+function contentOf(body) {
+  if (body === undefined) return {};
+  if (body instanceof FormData) return {body};  // whose header only the browser can write
+  const yaml = typeof body === 'string';
+  const headers = {'Content-Type': yaml ? 'application/yaml' : 'application/json'};
+  return {headers, body: yaml ? body : JSON.stringify(body)};
+}
+
 /**
  * @param {string} method
  * @param {string} address
- * @param {string|object} [body] text is YAML, anything else JSON
+ * @param {string|object} [body] text is YAML, files are sent as they are, anything else is JSON
  * @param {AbortSignal} [signal]
  * @returns {Promise<Response>}
  * @throws {ApiError} when the server refuses or can't be reached
@@ -50,9 +59,7 @@ async function refusal(response) {
  */
 async function answer(method, address, body, signal) {
   if (isWatching() && method !== 'GET') throw new ApiError(403, 'watch_only', WATCH_ONLY);
-  const yaml = typeof body === 'string';
-  const headers = {'Content-Type': yaml ? 'application/yaml' : 'application/json'};
-  const content = body === undefined ? {} : {headers, body: yaml ? body : JSON.stringify(body)};
+  const content = contentOf(body);
   let response;
   try {
     response = await fetch(address, {method, signal, ...content});

@@ -1,6 +1,7 @@
 // @ts-check
-/** YAML in: picked, dropped on the page or pasted. What is refused changes nothing. */
+/** YAML in: picked, dropped on the page or pasted; arms by a drop. What is refused changes nothing. */
 
+import {droppedFiles, mayBeArm} from '../arms/dropped.js';
 import {showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {isTyping} from '../screen/keys.js';
@@ -15,9 +16,10 @@ const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m
  * @param {import('../api/api.js').Api} api
  * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
+ * @param {import('../arms/arms.js').Arms} arms take what is no experiment
  * @returns {() => void} opens the file picker
  */
-export function mountImport(api, history, tell) {
+export function mountImport(api, history, tell, arms) {
   const take = async (/** @type {string} */ name, /** @type {string} */ text) => {
     try {
       await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
@@ -38,7 +40,10 @@ export function mountImport(api, history, tell) {
       tell(`${file.name} was not imported: ${message}`, {error: true});
     }
   };
-  mountDrop(takeFile);
+  mountDrop(async (transfer) => {
+    if (mayBeArm(transfer)) arms.bring(await droppedFiles(transfer));
+    else await takeFile(transfer.files[0]);
+  });
   addEventListener('paste', (event) => {
     const text = event.clipboardData?.getData('text/plain') ?? '';
     if (isTyping(event.target) || document.querySelector('dialog[open]')) return;
@@ -53,10 +58,10 @@ export function mountImport(api, history, tell) {
   };
 }
 
-/** @param {(file: File|undefined) => void} take */
+/** @param {(transfer: DataTransfer) => void} take */
 function mountDrop(take) {
   const veil = element('div', {class: 'drop-veil', hidden: true},
-    element('p', {}, 'Drop a YAML experiment to import it'));
+    element('p', {}, 'Drop a YAML experiment, or an arm: its URDF, a ZIP or a folder'));
   document.body.append(veil);
   const carriesFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');
   addEventListener('dragenter', (event) => { if (carriesFile(event)) veil.hidden = false; });
@@ -67,7 +72,7 @@ function mountDrop(take) {
     veil.hidden = true;
     if (!carriesFile(event)) return;
     event.preventDefault();
-    take(event.dataTransfer?.files[0]);
+    if (event.dataTransfer) take(event.dataTransfer);
   });
 }
 

@@ -25,13 +25,14 @@ const ORDER = ['Sliding surface', 'Reaching', 'RBF network', 'PD'];
  * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  * @param {import('../api/preview.js').Preview} preview
+ * @param {import('../arms/arms.js').Arms} arms
  */
-export function mount(place, api, history, tell, preview) {
+export function mount(place, api, history, tell, preview, arms) {
   const about = mountAbout(api);
   const lanes = element('section', {class: 'lanes', 'aria-label': 'Lanes'});
   const gains = element('section', {class: 'gains', 'aria-label': 'Gains of the selected lane'});
   const rest = element('section', {class: 'sections', 'aria-label': 'Experiment'});
-  place.append(about, lanes, gains, rest);
+  place.append(about, arms.element, lanes, gains, rest);
   api.addEventListener('laws', (event) => {
     const {schema} = detail(event);
     if (schema) replaceSchema(schema);

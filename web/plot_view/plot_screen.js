@@ -41,7 +41,7 @@ import {recall, remember} from '../screen/remembered.js';
  * @property {(view: any) => string} fileName without its ending
  */
 
-const FIRST_JOINTS = [1, 2, 3];
+const FIRST_JOINTS = JOINTS.slice(0, 3);
 /** A spectrum takes longer to work out than a curve, and nobody reads it faster. */
 const SPECTRUM_MS = 250;
 

@@ -57,15 +57,26 @@ def _parts(name: str) -> tuple[str, ...]:
 class MeshFiles:
     """The folders in which meshes are looked for."""
 
-    def __init__(self, urdf: Path, package_dirs: Sequence[Path]) -> None:
-        """Look in the package folders and their parents, and in the URDF's own ancestors."""
+    def __init__(
+        self, urdf: Path, package_dirs: Sequence[Path], within: Path | None = None
+    ) -> None:
+        """Look in the package folders and their parents, and in the URDF's own ancestors.
+
+        Args:
+            urdf: the description.
+            package_dirs: folders in which, or beside which, packages lie.
+            within: the folder outside of which no file is looked for, whatever a mesh names.
+        """
+        self._within = None if within is None else within.resolve()
         folder = urdf.absolute().parent
         given = [path.absolute() for path in package_dirs]
         roots = [*given, *(path.parent for path in given), folder, *folder.parents]
         self._folder = folder
         self._near = dict.fromkeys([*given, folder])
         # A whole disk is no place to look for what is called alike.
-        self._roots = [root for root in dict.fromkeys(roots) if root.parent != root]
+        self._roots = [
+            root for root in dict.fromkeys(roots) if root.parent != root and self._allows(root)
+        ]
         self._listing = cache(_listing)
 
     def find(self, filename: str) -> Found:
@@ -77,14 +88,14 @@ class MeshFiles:
             return Found(None)
         plain = list(self._plain(reference))
         for path in plain:
-            if _is_file(path):
+            if self._is_file(path):
                 return Found(path)
         for path in plain:
             found = self._in_any_case(path)
             if found is not None:
                 return Found(found, "other case")
         for path in self._elsewhere(reference):
-            found = path if _is_file(path) else self._in_any_case(path)
+            found = path if self._is_file(path) else self._in_any_case(path)
             if found is not None:
                 return Found(found, "elsewhere")
         return Found(None, looked=tuple(dict.fromkeys(self._looked(reference))))
@@ -113,7 +124,8 @@ class MeshFiles:
 
     def _looked(self, reference: _Reference) -> Iterator[Path]:
         for path in self._plain(reference):
-            yield path.parent
+            if self._allows(path):
+                yield path.parent
         yield from self._near
 
     def _in_any_case(self, path: Path) -> Path | None:
@@ -128,14 +140,20 @@ class MeshFiles:
             if not name:
                 return None
             found = found / name
-        return found if _is_file(found) else None
+        return found if self._is_file(found) else None
 
+    def _allows(self, path: Path) -> bool:
+        """Whether a path, with all links and dots followed, lies where it may be looked for."""
+        try:
+            return self._within is None or path.resolve().is_relative_to(self._within)
+        except (OSError, ValueError):
+            return False
 
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
+    def _is_file(self, path: Path) -> bool:
+        try:
+            return self._allows(path) and path.is_file()
+        except (OSError, ValueError):
+            return False
 
 
 def _listing(folder: Path) -> dict[str, str]:

@@ -19,6 +19,7 @@ from slidetune.robot.experiment.presets import preset_store, save_preset
 from slidetune.server.compute import workers
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import (
+    MAX_ARM,
     MAX_BODY,
     MAX_MESSAGE,
     MAX_PRESETS,
@@ -37,6 +38,8 @@ BODY_ROUTES = [
     ("PUT", "/api/experiment"),
     ("PUT", "/api/presets/too-large"),
     ("POST", "/api/presets/paper/load"),
+    ("POST", "/api/arms/pendulum/begin"),
+    ("DELETE", "/api/arms/nothing"),
     ("PATCH", "/api/session"),
     ("POST", "/api/session/play"),
     ("POST", "/api/session/step"),
@@ -56,6 +59,10 @@ BODY_ROUTES = [
     ("DELETE", "/api/presets/nothing"),
     ("POST", "/api/nowhere"),
 ]
+ACTS_WITHOUT = ("/api/session/play", "/api/arms/pendulum/begin", "/api/nowhere")
+"""Routes that act without a body and never read one."""
+ARMS = ("POST", "/api/arms")
+"""The one route that takes more."""
 
 
 def refusal(answer: httpx.Response, status: int, code: str) -> str:
@@ -104,29 +111,29 @@ def test_every_route_that_takes_a_body_is_in_the_table(served: Served) -> None:
         if "requestBody" in route
     }
     known = {(method, path) for method, path in BODY_ROUTES}
-    assert {(m, p.replace("{name}", "too-large")) for m, p in taking} <= known
+    assert {(m, p.replace("{name}", "too-large")) for m, p in taking} <= {*known, ARMS}
 
 
-@pytest.mark.parametrize(("method", "path"), BODY_ROUTES)
+@pytest.mark.parametrize(("method", "path"), [*BODY_ROUTES, ARMS])
 def test_a_body_that_announces_its_size_is_refused_unread(
     served: Served, method: str, path: str
 ) -> None:
+    most = MAX_ARM if (method, path) == ARMS else MAX_BODY
     # Nothing but the header is sent: an answer shows that nobody waits for the rest.
     head = f"{method} {path} HTTP/1.1\r\nHost: {served.url[7:]}\r\n"
     with socket.create_connection(("127.0.0.1", served.policy.port), timeout=20.0) as line:
-        line.sendall(f"{head}Content-Length: {MAX_BODY + 1}\r\n\r\n".encode())
+        line.sendall(f"{head}Content-Length: {most + 1}\r\n\r\n".encode())
         answer = b"".join(iter(lambda: line.recv(65536), b""))
     start, _, body = answer.partition(b"\r\n\r\n")
     assert start.startswith(b"HTTP/1.1 413")
     assert b"content-security-policy" in start
     error = json.loads(body)["error"]
     assert (error["code"], error["fields"]) == ("too_large", [])
-    assert "256 KiB" in error["message"]
+    assert f"{most // 1024} KiB" in error["message"]
 
 
 @pytest.mark.parametrize(
-    ("method", "path"),
-    [route for route in BODY_ROUTES if route[1] not in ("/api/session/play", "/api/nowhere")],
+    ("method", "path"), [route for route in BODY_ROUTES if route[1] not in ACTS_WITHOUT]
 )
 def test_a_body_of_unknown_size_is_refused_where_it_gets_too_large(
     served: Served, method: str, path: str

@@ -39,6 +39,7 @@ EVERYTHING_THAT_READS = [
     "/api/metrics",
     "/api/presets",
     "/api/presets/paper",
+    "/api/arms",
     "/api/history",
     "/api/lessons",
     "/api/studies",

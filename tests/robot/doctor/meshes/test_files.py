@@ -99,3 +99,19 @@ def test_it_says_where_it_looked(package: Path) -> None:
     found = MeshFiles(package / "urdf" / "arm.urdf", [package]).find("package://b/meshes/c.stl")
     assert package / "b" / "meshes" in found.looked
     assert package / "urdf" in found.looked
+
+
+def test_nothing_outside_the_folder_is_found_where_one_is_given(tmp_path: Path) -> None:
+    inside, outside = tmp_path / "sent", tmp_path / "secret"
+    for folder in (inside, outside):
+        folder.mkdir()
+        (folder / "mesh.stl").write_bytes(b"solid")
+    (inside / "link.stl").symlink_to(outside / "mesh.stl")
+    files = MeshFiles(inside / "arm.urdf", [inside], within=inside)
+    names = ("../secret/mesh.stl", "package://secret/mesh.stl", "link.stl", str(outside / "x.stl"))
+    for name in names:
+        found = files.find(name)
+        assert found.path is None or found.path.resolve().is_relative_to(inside), name
+        assert all(folder.is_relative_to(inside) for folder in found.looked), name
+    assert files.find(f"file://{outside}/mesh.stl").path == inside / "mesh.stl"
+    assert MeshFiles(inside / "arm.urdf", []).find("../secret/mesh.stl").path is not None
