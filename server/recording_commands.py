@@ -69,7 +69,7 @@ def reference(
     if out:
         write_output(out, [experiment_to_yaml(experiment.patched(found.patch()))])
     if "-" not in (json, out):
-        print_reference(document, output())
+        print_reference(document, arm.slides, output())
 
 
 def log(
@@ -202,7 +202,7 @@ def identify(
     if out:
         write_output(out, [experiment_to_yaml(experiment.patched(found.patch))])
     if "-" not in (json, csv, out):
-        print_identification(found, output())
+        print_identification(found, arm.slides, output())
 
 
 def _numbers(text: str) -> list[float]:

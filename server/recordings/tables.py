@@ -12,8 +12,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.identification.identify import Estimate, Identification
 from slidetune.robot.logs.measured import MeasuredLane
+from slidetune.robot.loop.figures import FIGURES
 from slidetune.robot.recordings.reference import Reference
 from slidetune.robot.version import __version__
 from slidetune.server.report.run_report import NONE, print_report
@@ -35,17 +37,19 @@ def reference_document(found: Reference) -> Document:
     }
 
 
-def print_reference(document: Document, console: Console) -> None:
-    """Print what ``reference_document`` returned."""
+def print_reference(document: Document, slides: Sequence[bool], console: Console) -> None:
+    """Print what ``reference_document`` returned, for joints of which some slide."""
     console.print(
         Text(
             f"{document['waypoints']} waypoints {1e3 * document['spacing']:.4g} ms apart, from "
             f"{document['duration']:.4g} s of rows."
         )
     )
+    error = FIGURES["max_error"]
+    unit = unit_of_joints(error.shown_unit, slides)
     rows = [
-        ("RMS residual [mrad]", [1e3 * value for value in document["rms"]]),
-        ("greatest residual [mrad]", [1e3 * value for value in document["greatest"]]),
+        (f"RMS residual [{unit}]", [error.factor * value for value in document["rms"]]),
+        (f"greatest residual [{unit}]", [error.factor * value for value in document["greatest"]]),
     ]
     console.print(_per_joint(rows))
     _print_remarks(document["remarks"], console)
@@ -97,7 +101,7 @@ def identification_document(found: Identification) -> Document:
     }
 
 
-def print_identification(found: Identification, console: Console) -> None:
+def print_identification(found: Identification, slides: Sequence[bool], console: Console) -> None:
     """Print every number with its interval, and the residual of each joint."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     headings = ("", "present", "the log says", "95 % interval", "unit", "")
@@ -107,9 +111,11 @@ def print_identification(found: Identification, console: Console) -> None:
         table.add_row(*map(Text, _cells(one)))
     console.print(table)
     share = 100.0 * found.rms_residual / np.maximum(found.rms_torque, 1e-300)
+    torque = FIGURES["rms_torque"]
+    unit = unit_of_joints(torque.shown_unit, slides)
     rows: list[tuple[str, Sequence[float]]] = [
-        ("RMS torque [N·m]", found.rms_torque.tolist()),
-        ("RMS residual [N·m]", found.rms_residual.tolist()),
+        (f"{torque.title} [{unit}]", found.rms_torque.tolist()),
+        (f"RMS residual [{unit}]", found.rms_residual.tolist()),
         ("residual [%]", share.tolist()),
     ]
     console.print(_per_joint(rows))

@@ -17,7 +17,7 @@ export const JOINTS = ARM.joints.map((_, index) => index + 1);
 export const JOINT_NAMES = ARM.joints.map(({name}) => name);
 
 /** What stands for the unit of a joint that turns where it slides; the longer ones first. */
-const SLIDING = [['N·m', 'N'], ['kg·m²', 'kg'], ['mrad', 'mm'], ['rad', 'm']];
+const SLIDING = [['N·m', 'N'], ['kg·m²', 'kg'], ['rad', 'm']];
 
 /**
  * @param {string} unit of a joint that turns

@@ -69,7 +69,7 @@ def test_everything_follows_the_joints_of_the_arm(opened: Page, dashboard: Dashb
     box.press("Enter")
     expect(page.locator("#header")).to_contain_text("rev 3")
     assert live(dashboard)["lanes"]["RBFNN-NFTSM"]["k1"][1] == 4
-    page.get_by_role("tab", name="Response", exact=True).click()
+    page.locator("[data-view=response]").click()
     expect(page.locator(".response-table tbody tr")).to_have_count(3)
     expect(page.locator(".response-table thead")).not_to_contain_text("MAE J3")
 
@@ -78,7 +78,8 @@ def test_the_way_back_brings_the_former_experiment_with_its_preset(
     opened: Page, dashboard: Dashboard
 ) -> None:
     page, before = opened, live(dashboard)
-    choose(page, "Pendulum")
+    page.locator(".arm-button").click()
+    page.locator("dialog .arm-choice", has_text="Pendulum").click()
     page.get_by_role("button", name="Back to JAKA Zu 5").click()
     expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
     expect(page.locator(".preset-name")).to_have_text("paper")

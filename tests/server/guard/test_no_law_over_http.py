@@ -21,6 +21,7 @@ MAY = {
     "server/law_files/child.py",
     "server/law_files/law_files.py",
     "server/law_files/trial.py",
+    "server/recording_commands.py",
     "server/study_commands.py",
 }
 

@@ -91,7 +91,7 @@ def test_a_patch_is_echoed_to_all_and_marks_the_frames_that_follow(served: Serve
         ({"type": "select", "lane": "nobody"}, "lane", "NFTSM"),
         ({"type": "speed", "speed": 99}, "speed", "10"),
         ({"type": "view", "exaggeration": 0}, "exaggeration", "1"),
-        ({"type": "kick", "torque": [1, 2]}, "torque.2", "missing"),
+        ({"type": "kick", "torque": [1, 2]}, "torque", "6 joints"),
         ({"type": "dance"}, "type", "dance"),
     ],
 )
