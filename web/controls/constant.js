@@ -19,5 +19,10 @@ export class ConstantControl extends Control {
   }
 
   /** @param {any} value */
-  show(value) { this.#text.textContent = this.inText(value); }
+  show(value) {
+    const text = this.inText(value);
+    const lines = text.trim().split('\n').length;
+    // A table, such as the waypoints of a recorded motion, is for its file.
+    this.#text.textContent = lines > 1 ? `${lines} lines` : text;
+  }
 }
