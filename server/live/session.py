@@ -10,6 +10,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
@@ -328,7 +329,9 @@ class Session:
         self._restarted()
 
     def _new_lanes(self) -> None:
-        self.telemetry = Telemetry(list(self.loop.lanes), self.loop.packed.joints)
+        packed = self.loop.packed
+        slides = arm_named(packed.experiment.robot.model).slides
+        self.telemetry = Telemetry(list(self.loop.lanes), packed.joints, slides=slides)
         if self.view is not None:
             self.view.new_lanes(self.telemetry.columns)
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.fields.units import sliding
 from slidetune.robot.kernels.workspace import RECORD
 from slidetune.robot.loop.closed_loop import ClosedLoop
 
@@ -47,12 +49,22 @@ class Channel:
     unit: str
 
 
-def channels(lanes: list[str], joints: int) -> list[Channel]:
-    """Return the columns of a row, in order: what all share, then each lane's own."""
+def channels(lanes: list[str], joints: int, slides: Sequence[bool] = ()) -> list[Channel]:
+    """Return the columns of a row, in order: what all share, then each lane's own.
+
+    Args:
+        lanes: names of the lanes.
+        joints: how many joints the arm has.
+        slides: whether each of them slides; none does by default.
+    """
+    kinds = slides or (False,) * joints
 
     def each(group: str, unit: str, lane: str = "") -> list[Channel]:
         prefix = f"{lane}/" if lane else ""
-        return [Channel(f"{prefix}{group}{j}", group, j, lane, unit) for j in range(1, joints + 1)]
+        return [
+            Channel(f"{prefix}{group}{j}", group, j, lane, sliding(unit) if slides else unit)
+            for j, slides in enumerate(kinds, 1)
+        ]
 
     def axes(group: str, lane: str = "") -> list[Channel]:
         prefix = f"{lane}/" if lane else ""
@@ -92,9 +104,11 @@ class Telemetry:
         written: how many rows have been written in all.
     """
 
-    def __init__(self, lanes: list[str], joints: int, rows: int = ROWS) -> None:
-        """Make room for ``rows`` rows."""
-        self.columns = channels(lanes, joints)
+    def __init__(
+        self, lanes: list[str], joints: int, rows: int = ROWS, slides: Sequence[bool] = ()
+    ) -> None:
+        """Make room for ``rows`` rows; the other arguments are those of ``channels``."""
+        self.columns = channels(lanes, joints, slides)
         self.written = 0
         self._rows = rows
         self._data = np.zeros((rows, len(self.columns)), dtype=np.float32)

@@ -13,28 +13,18 @@ import {SCHEMA} from './schema_document.js';
 export const ARM = SCHEMA['x-arm'];
 /** Its joints by number, from 1. */
 export const JOINTS = ARM.joints.map((_, index) => index + 1);
-/** What each joint does, to be read by people: as in its description. */
-export const JOINT_NAMES = ARM.joints.map(({name}) => name);
-
 /** What stands for the unit of a joint that turns where it slides; the longer ones first. */
 const SLIDING = [['N·m', 'N'], ['kg·m²', 'kg'], ['rad', 'm']];
 
 /**
- * @param {string} unit of a joint that turns
+ * @param {string} unit of joints that turn, or as the schema writes that of both kinds: `rad | m`
  * @param {number} joint from 1
  * @returns {string} the unit at that joint
  */
 export function unitAt(unit, joint) {
-  if (!ARM.joints[joint - 1]?.slides) return unit;
-  return SLIDING.reduce((text, [turns, slides]) => text.replaceAll(turns, slides), unit);
-}
-
-/**
- * @param {string} unit of a joint that turns
- * @returns {string} of all joints: both where only some slide
- */
-export function unitOfAll(unit) {
-  return [...new Set(JOINTS.map((joint) => unitAt(unit, joint)))].join(' | ');
+  const [turning, sliding] = unit.split(' | ');
+  if (!ARM.joints[joint - 1]?.slides) return turning;
+  return sliding ?? SLIDING.reduce((text, [turns, slides]) => text.replaceAll(turns, slides), turning);
 }
 
 /**

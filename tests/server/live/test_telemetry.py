@@ -101,6 +101,8 @@ def test_rows_are_what_the_loop_recorded() -> None:
         loop.step()
     rows = rows_of(loop, 90, 100)
     columns = channels(LANES, 6)
+    units = {one.unit for one in channels(LANES, 2, (True, False)) if one.joint == 1}
+    assert units == {"m", "m/s", "N"}
     assert rows.shape == (10, len(columns))
     names = [channel.name for channel in columns]
     record = loop.lanes["B"].record[np.arange(90, 100) % 64]
