@@ -47,6 +47,7 @@ export class FractionControl extends Control {
       element('span', {class: 'joint-name'}, names[index]), ...one.elements));
     const list = element('div', {class: 'joint-list', role: 'group', 'aria-label': this.name}, ...rows);
     const {button} = disclosure(`${this.name}: each joint`, list);
+    button.hidden = names.length === 1;
     this.place.append(...this.#all.elements, button);
     this.element.append(list);
   }

@@ -36,9 +36,10 @@ export class JointsControl extends Control {
   constructor(field, context) {
     super(field, context);
     const names = (field.perJoint ? null : NAMES[field.length]) ?? numbered(field.length);
-    this.#all = this.#pair(this.name, (value) => (
-      this.#shares ? scaled(this.#shares, value, this.field) : value
-    ), this.id);
+    this.#all = this.#pair(this.name, (value) => {
+      if (this.#isAlone && field.kind === 'vector') return [value];
+      return this.#shares ? scaled(this.#shares, value, this.field) : value;
+    }, this.id);
     this.#each = names.map((name, index) => this.#pair(`${this.name}, ${name}`, (value) => (
       this.#each.map((pair, at) => (at === index ? value : pair.value))
     )));
@@ -53,6 +54,7 @@ export class JointsControl extends Control {
     this.#each.forEach((pair, index) => list.append(row(names[index], index, pair)));
     const {button, open} = disclosure(`${this.name}: each ${this.#part}`, list);
     this.#open = open;
+    button.hidden = this.#isAlone;
     if (field.kind !== 'vector') this.#summary.append(this.#values, this.#merge);
     this.beside.append(this.#switch, this.#unit);
     const vector = field.kind === 'vector';
@@ -68,7 +70,7 @@ export class JointsControl extends Control {
    */
   show(value, baseline) {
     const off = value === null;
-    const mixed = Array.isArray(value);
+    const mixed = Array.isArray(value) && !this.#isAlone;
     if (!off) this.#on = value;
     this.element.classList.toggle('is-off', off);
     this.element.classList.toggle('is-mixed', mixed);
@@ -114,6 +116,9 @@ export class JointsControl extends Control {
     this.#merge.title = mixed ? `All joints as J1: ${this.inText(this.current[0])}` : '';
     if (off) this.#open(false);
   }
+
+  /** @returns {boolean} whether the arm has one joint, of which all and each are the same */
+  get #isAlone() { return this.field.perJoint && this.field.length === 1; }
 
   get #part() { return (this.field.perJoint ? null : PARTS[this.field.length]) ?? 'joint'; }
 

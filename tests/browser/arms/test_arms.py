@@ -11,6 +11,7 @@ from playwright.sync_api import Page, expect
 from slidetune.robot.arm.teaching import TWO_LINKS
 from slidetune.server.compute.arm_kernels import load_kernels
 from tests.browser.conftest import Complaints, Dashboard
+from tests.server.scene.viser_client import until
 
 DROP = """([name, text]) => {
   const transfer = new DataTransfer();
@@ -67,8 +68,7 @@ def test_everything_follows_the_joints_of_the_arm(opened: Page, dashboard: Dashb
     box = rows.filter(visible=True).nth(1).locator(".number-box")
     box.fill("4")
     box.press("Enter")
-    expect(page.locator("#header")).to_contain_text("rev 3")
-    assert live(dashboard)["lanes"]["RBFNN-NFTSM"]["k1"][1] == 4
+    until(lambda: live(dashboard)["lanes"]["RBFNN-NFTSM"]["k1"][1] == 4)
     page.locator("[data-view=response]").click()
     expect(page.locator(".response-table tbody tr")).to_have_count(3)
     expect(page.locator(".response-table thead")).not_to_contain_text("MAE J3")
@@ -127,3 +127,18 @@ def test_whoever_watches_comes_along_to_another_arm(
     dashboard.client.post("/api/arms/pendulum/begin").raise_for_status()
     expect(page.locator(".arm-name")).to_have_text("Pendulum")
     expect(page.locator("#header")).to_contain_text("live")
+
+
+def test_an_arm_of_one_joint_has_one_slider_a_gain(opened: Page, dashboard: Dashboard) -> None:
+    page = opened
+    dashboard.client.post("/api/presets/pendulum/load").raise_for_status()
+    expect(page.locator(".arm-name")).to_have_text("Pendulum")
+    page.locator("details[data-group=trajectory] summary").first.click()
+    pose = page.get_by_role("spinbutton", name="Pose")
+    expect(pose).to_have_value("0.8")
+    pose.fill("0.9")
+    pose.press("Enter")
+    expect(page.locator("#header")).to_contain_text("rev")
+    until(lambda: live(dashboard)["trajectory"]["position"] == [0.9])
+    expect(page.get_by_role("button", name="Set all equal").filter(visible=True)).to_have_count(0)
+    expect(page.get_by_role("button", name="each joint").filter(visible=True)).to_have_count(0)
