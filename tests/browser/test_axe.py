@@ -166,7 +166,7 @@ def test_a_phone_and_the_documentation(
     page.get_by_role("button", name="More", exact=True).click()
     inspector.look("phone, menu", "[popover]:popover-open")
     page.goto(f"{dashboard.url}docs/live")
-    expect(page.locator(".message")).to_have_count(17)
+    expect(page.locator(".message")).to_have_count(18)
     inspector.start()
     inspector.look("documentation of the WebSocket")
     page.goto(f"{dashboard.url}docs")

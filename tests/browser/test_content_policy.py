@@ -71,7 +71,7 @@ def test_the_documentation_pages_keep_to_it_too(page: Page, dashboard: Dashboard
     expect(page.locator("#swagger-ui")).to_contain_text("/api/experiment")
     page.get_by_role("link", name="Live WebSocket").click()
     messages = page.locator(".message h3")
-    expect(messages).to_have_count(17)
+    expect(messages).to_have_count(18)
     assert {"patch", "kick", "hello", "telemetry, binary"} <= set(messages.all_inner_texts())
     expect(page.locator("#script")).to_contain_text(dashboard.url.replace("http", "ws", 1))
     assert violations(page) == []
