@@ -114,7 +114,7 @@ export class Arms {
       await this.#history.replace(`first experiment of ${title}`, () => this.#api.beginArm(name));
     } catch (error) {
       // A page that is about to begin anew hears no answer.
-      if (/** @type {import('../api/http.js').ApiError} */ (error).status !== 0) sessionStorage.removeItem(BEFORE);
+      if (/** @type {import('../api/http.js').ApiError} */ (error).status > 0) sessionStorage.removeItem(BEFORE);
       this.#fail(error);
     }
     waiting.close();
