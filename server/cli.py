@@ -1,4 +1,4 @@
-"""Commands: serve, run, paper, bench; tune, robustness, sweep, fit; doctor, arms, arm."""
+"""Commands: serve, run, paper, bench; studies; arms; recordings."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from slidetune.server.cli_options import (
     urdf_choice,
 )
 from slidetune.server.fit_command import fit
+from slidetune.server.recording_commands import identify, log, reference
 from slidetune.server.study_commands import robustness, sweep, tune
 
 # Everything that is slow to import waits for the command that needs it.
@@ -202,7 +203,7 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep, fit, doctor, arms):
+for command in (tune, robustness, sweep, fit, reference, log, identify, doctor, arms):
     cli.command()(command)
 cli.add_typer(arm_cli, name="arm")
 
