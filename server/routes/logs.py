@@ -150,7 +150,6 @@ def logs_router(app_state: AppState) -> APIRouter:
             "estimated": False,
             "horizon": simulation.horizon,
             "hold": 0.0,
-            "changes": store.changes + 1,
             **found.head(),
         }
         message = encode_responses(head, {log.name: found.response})
