@@ -103,7 +103,7 @@ def serve(
     law_files.take(apart=True)
     arm = urdf_choice(urdf, package_dir, tip, total_mass)
     experiment = chosen_experiment(preset, arm, console, kept=True)
-    warm_up_with_bar(console)
+    warm_up_with_bar(console, experiment.robot.model)
     named = preset or "paper"
     name = named if arm is None and is_preset_name(named) else ""
     serve_dashboard(experiment, name, host, port, browser, token, scheduler, law_files)
@@ -203,7 +203,7 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep, fit, reference, log, identify, doctor, arms):
+for command in (tune, robustness, sweep, fit, doctor, arms, reference, log, identify):
     cli.command()(command)
 cli.add_typer(arm_cli, name="arm")
 

@@ -43,7 +43,7 @@ class Estimate:
 
     Attributes:
         path: of the field, with the joint or axis counted from 0, such as
-            ``robot.viscous_friction.2``.
+            ``viscous_friction`` of the arm and the number of the joint.
         title: in words, such as ``viscous friction of joint 3``.
         unit: of it.
         present: its value in the experiment.

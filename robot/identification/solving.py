@@ -174,14 +174,16 @@ def _half_widths(slopes: Array, residual: Array) -> Array:
     bread = np.linalg.pinv((flat / scale).T @ (flat / scale), hermitian=True)
     scores = np.einsum("rnk,rn->rk", slopes, residual) / scale
     bandwidth = _bandwidth(scores)
-    meat = scores.T @ scores
+    of_rows = scores.T @ scores
+    meat = of_rows.copy()
     for lag in range(1, bandwidth + 1):
         shared = scores[lag:].T @ scores[:-lag]
         meat += (1.0 - lag / (bandwidth + 1.0)) * (shared + shared.T)
     spare = max(rows * joints - count, 1)
     alone = bread * float((residual**2).sum()) / spare
-    dependent = bread @ meat @ bread * (rows * joints / spare)
-    variance = np.maximum(np.diag(alone), np.diag(dependent))
+    # Never narrower than of noise that is white, or white but for what joints share.
+    sandwiches = [bread @ one @ bread * (rows * joints / spare) for one in (of_rows, meat)]
+    variance = np.max([np.diag(one) for one in (alone, *sandwiches)], axis=0)
     deviation: Array = np.sqrt(np.maximum(variance, 0.0)) / scale
     return _critical(bandwidth / rows) * deviation
 

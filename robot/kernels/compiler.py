@@ -20,6 +20,8 @@ from typing import Any, TypeVar, cast
 import numba
 import platformdirs
 
+from slidetune.robot.fields.quantity import JOINTS
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -109,8 +111,6 @@ def _is_private(folder: Path) -> bool:
 CACHE = _folder()
 """Folder of the compiled kernels of this very version."""
 
-_WARM = CACHE / "warm"
-
 numba.config.CACHE_DIR = str(CACHE)  # type: ignore[attr-defined]
 
 
@@ -173,11 +173,15 @@ def _is_own(compiled: Any) -> bool:
     return OWN_FILE in compiled.py_func.__globals__
 
 
-def is_warm() -> bool:
-    """Tell whether all kernels of this version have been compiled once."""
-    return _WARM.exists()
+def is_warm(joints: int = JOINTS) -> bool:
+    """Tell whether all kernels of this version have been compiled once for so many joints."""
+    return _warm(joints).exists()
 
 
-def mark_warm() -> None:
-    """Remember that all kernels have been compiled."""
-    _WARM.touch()
+def mark_warm(joints: int = JOINTS) -> None:
+    """Remember that all kernels have been compiled for so many joints."""
+    _warm(joints).touch()
+
+
+def _warm(joints: int) -> Path:
+    return CACHE / f"warm-{joints}"

@@ -18,12 +18,16 @@ Motion = Callable[[Array], tuple[Array, Array]]
 
 _MOST_SAMPLES = 40_000
 """Samples of the coarse search (*ours*)."""
+_MOST_ROWS = 20_000
+"""Rows by which shifts are compared (*ours*); the best one is found from all."""
 _SHARE = 0.25
 """Share of the shorter one's time in which both have to be there (*ours*)."""
 _STILL = 1e-4
 """Least range of an angle in [rad] that is a motion (*ours*)."""
 _AS_GOOD = 0.02
 """Share of the way from the best fit to the usual one up to which a shift fits as well (*ours*)."""
+_NEARLY, _LOOKED_AT = 0.1, 8
+"""The same for where the fine search begins, and at how many places of each kind (*ours*)."""
 _NEWTON, _SETTLED = 30, 1e-10
 """Steps of the fine search, and the change in [s] at which it ends (*ours*)."""
 
@@ -104,12 +108,17 @@ def find_shift(time: Array, q: Array, motion: Motion, duration: float) -> Shift:
             f"no shift fits at which both have {overlap:.3g} s in common: is it a log of this "
             "motion? Give the shift by hand"
         )
-    found = [_refined(time, q, motion, shifts[place], dt) for place in _candidates(sums)]
+    few = slice(None, None, len(time) // _MOST_ROWS + 1)
+    found = [
+        _refined(time[few], q[few], motion, shifts[at], dt) for at in _candidates(sums, shifts)
+    ]
     best = min(rms for _, rms in found)
     usual = float(np.sqrt(np.median(sums) / rows.size))
     good = [one for one in found if one[1] <= best + _AS_GOOD * max(usual - best, 0.0)]
     seconds, rms = min(good, key=lambda one: abs(one[0]))
-    others = sorted({round(one[0], 6) for one in good if abs(one[0] - seconds) > dt})
+    apart = {round(float(one[0]), 6) for one in good if abs(one[0] - seconds) > dt}
+    others = sorted(apart, key=abs)
+    seconds, rms = _refined(time, q, motion, seconds, dt)
     return Shift(float(seconds), float(rms), tuple(others))
 
 
@@ -127,13 +136,14 @@ def _differences(rows: Array, desired: Array) -> Array:
     return np.asarray((rows**2).sum() - 2.0 * products + squares[count:] - squares[:-count])
 
 
-def _candidates(sums: Array) -> list[int]:
-    """Return where the sum is least, and where else it is nearly so."""
+def _candidates(sums: Array, shifts: Array) -> list[int]:
+    """Return where the sum is least, and where it is nearly so: the least sums and shifts."""
     least, usual = float(sums.min()), float(np.median(sums))
     padded = np.concatenate([[np.inf], sums, [np.inf]])
     valleys = np.flatnonzero((sums <= padded[:-2]) & (sums <= padded[2:]))
-    close = valleys[sums[valleys] <= least + 0.1 * (usual - least)]
-    return [int(place) for place in close[np.argsort(sums[close])][:20]]
+    close = valleys[sums[valleys] <= least + _NEARLY * (usual - least)]
+    best, nearest = np.argsort(sums[close])[:_LOOKED_AT], np.argsort(np.abs(shifts[close]))
+    return [int(close[at]) for at in dict.fromkeys([*best, *nearest[:_LOOKED_AT]])]
 
 
 def _refined(time: Array, q: Array, motion: Motion, shift: float, dt: float) -> tuple[float, float]:

@@ -74,7 +74,7 @@ _READY = {JOINTS}
 def warm_up_arm(model: str) -> None:
     """Do the same for an arm with another number of joints, once a process.
 
-    The first time ever it takes as long as for the shipped arm, else a few seconds.
+    The first time ever it takes as long as for the shipped arm, else some seconds.
 
     Args:
         model: name of the arm.
@@ -88,4 +88,5 @@ def warm_up_arm(model: str) -> None:
     for law in LAWS:
         for mode in ("continuous", "sampled"):
             _use(_experiment(law, mode, model))
+    mark_warm(joints)
     _READY.add(joints)

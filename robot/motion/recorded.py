@@ -30,6 +30,8 @@ _WAY_OUT = "slidetune reference PRESET FILE makes them of a recording"
 
 def _parsed(text: str, joints: int) -> Array:
     rows = [line.split() for line in text.splitlines() if line.strip()]
+    if not rows:
+        raise ValueError(f"must be those of a recording: {_WAY_OUT}")
     if len(rows) < FEWEST_WAYPOINTS:
         raise ValueError(
             f"must have at least {FEWEST_WAYPOINTS} lines, one a waypoint, got {len(rows)}; "

@@ -5,12 +5,26 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
 
+from slidetune.robot.arm.known import SHIPPED, arm_named
 from slidetune.robot.kernels.compiler import is_warm
-from slidetune.robot.loop.warmup import warm_up
+from slidetune.robot.loop.warmup import warm_up, warm_up_arm
 
 
-def warm_up_with_bar(console: Console) -> None:
-    """Compile every kernel; silent when they are compiled already."""
+def warm_up_with_bar(console: Console, model: str = SHIPPED) -> None:
+    """Compile every kernel; silent when they are compiled already.
+
+    Args:
+        console: where to say it.
+        model: name of an arm whose number of joints they are for as well.
+    """
+    _warm_up_shipped(console)
+    joints = arm_named(model).joints
+    if not is_warm(joints):
+        console.print(f"Compiling them for {joints} joints, too (once) …")
+    warm_up_arm(model)
+
+
+def _warm_up_shipped(console: Console) -> None:
     if is_warm():
         warm_up()
         return

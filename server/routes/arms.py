@@ -15,6 +15,7 @@ from slidetune.robot.errors import UnknownArmError
 from slidetune.robot.first_experiment.first_experiment import first_experiment
 from slidetune.server.arms.unpacked import MOST_FILES, refused
 from slidetune.server.arms.uploads import take_arm
+from slidetune.server.compute.arm_kernels import load_kernels
 from slidetune.server.contract.arms import ArmList, ArmReport
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.routes.experiment import answer
@@ -97,6 +98,7 @@ def arms_router(app_state: AppState) -> APIRouter:
             arm_named(name)
         except ValueError as error:
             raise UnknownArmError(str(error)) from error
+        load_kernels(name)
         preset = "paper" if name == SHIPPED else ""
         change = app_state.document.replace(first_experiment(name).experiment, preset, "http")
         return answer(change.revision, preset, change.experiment)

@@ -14,7 +14,7 @@ from slidetune.robot.experiment.packed import Packed, pack
 from slidetune.robot.law_files.fitted import fitted
 from slidetune.robot.laws import register
 from slidetune.robot.laws.law import Law
-from slidetune.robot.loop.warmup import warm_up_arm
+from slidetune.server.compute.arm_kernels import load_kernels
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 
@@ -211,7 +211,7 @@ class Document:
 
     def _ready(self, experiment: Experiment) -> None:
         """Compile and read what an arm takes before the session meets it: it would stand still."""
-        warm_up_arm(experiment.robot.model)
+        load_kernels(experiment.robot.model)
         if self._session.view is not None:
             self._session.view.prepare(experiment.robot.model)
 

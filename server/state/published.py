@@ -10,7 +10,7 @@ from slidetune.robot.arm.known_arm import KnownArm
 from slidetune.robot.experiment.document import LONGEST_LANE_NAME, Experiment
 from slidetune.robot.experiment.preset_name import LONGEST_NAME
 from slidetune.robot.fields.quantity import PER_JOINT
-from slidetune.robot.fields.units import unit_of_joints
+from slidetune.robot.fields.units import ANGLES, unit_of_joints
 from slidetune.robot.laws import LAWS
 from slidetune.robot.lessons.lesson import MOST_EXAGGERATION
 from slidetune.robot.loop.figures import FIGURES
@@ -70,7 +70,7 @@ def _fields(schema: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _fit(name: str, field: dict[str, Any], arm: KnownArm) -> None:
     """Let a field be that of an arm."""
-    if "unit" in field:
+    if "unit" in field and name not in ANGLES:
         field["unit"] = unit_of_joints(field["unit"], arm.slides)
     for shape in (field, *field.get("anyOf", ())):
         if shape.get(PER_JOINT):

@@ -13,8 +13,9 @@ import {difference} from '../fields/merge_patch.js';
  */
 /**
  * All that it takes to go on after the page was loaded again. A guess of null is a skipped one.
+ * `entering`: its step is not reached yet.
  * @typedef {{name: string, index: number, guesses: {[index: number]: number|null},
- *   before: Before}} Standing
+ *   before: Before, entering?: boolean}} Standing
  */
 
 /** For so long the lanes of a loaded preset may take to arrive. */
@@ -102,11 +103,12 @@ export class Course {
   async restore() {
     const {preset, experiment, lane, exaggeration, playing} = this.standing.before;
     const back = () => this.#history.restore(preset, experiment);
+    // Before: with another arm the page begins anew.
+    this.#api.view({exaggeration});
+    if (!playing) this.#api.pause();
     await this.#history.replace('return from the lesson', back);
     await this.#lanesOf(experiment);
     if (lane in experiment.lanes) this.#api.select(lane);
-    this.#api.view({exaggeration});
-    if (!playing) this.#api.pause();
   }
 
   /** @param {number} index */

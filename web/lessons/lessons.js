@@ -95,9 +95,11 @@ class Lessons {
     try {
       const lesson = await this.#api.lesson(standing.name);
       const index = Math.min(standing.index, lesson.steps.length - 1);
-      this.#course = new Course(this.#api, this.#history, lesson, {...standing, index});
+      const {entering = false, ...kept} = standing;
+      this.#course = new Course(this.#api, this.#history, lesson, {...kept, index});
       this.#show();
       this.#panel.showStep(this.#course);
+      if (entering) await this.#enter(index);
     } catch {
       noteOpenLesson(null);
     }
@@ -116,6 +118,8 @@ class Lessons {
   async #enter(index) {
     const course = this.#course;
     if (!course) return;
+    // Where the step has another arm the page begins anew, and comes back to here.
+    noteOpenLesson({...course.standing, index, entering: true});
     await this.#guarded(() => course.enter(index), () => this.#panel.showStep(course));
     noteOpenLesson(course.standing);
     noteProgress(course.lesson.name, index + 1);
@@ -155,10 +159,13 @@ class Lessons {
   async #end({restore}) {
     const course = this.#course;
     if (!course) return true;
-    if (restore && !await this.#guarded(() => course.restore())) return false;
+    noteOpenLesson(null);  // first: with another arm the page begins anew
+    if (restore && !await this.#guarded(() => course.restore())) {
+      noteOpenLesson(course.standing);
+      return false;
+    }
     course.end();
     this.#course = null;
-    noteOpenLesson(null);
     const text = 'Your experiment is back as it was before the lesson.';
     if (restore) tellWithUndo(this.#tell, this.#history, text);
     return true;

@@ -77,6 +77,8 @@ def test_of_a_motion_that_repeats_itself_the_smallest_shift_counts_and_others_ar
     found = find_shift(time, motion(time + 0.3)[0], motion, 20.0)
     assert found.seconds == pytest.approx(0.3, abs=1e-6)
     assert any(abs(other - 0.3 - 2.0 * np.pi) < 1e-3 for other in found.others)
+    long = np.arange(0.0, 300.0, 0.01)
+    assert find_shift(long, motion(long + 0.3)[0], motion, 20.0).seconds == pytest.approx(0.3)
 
 
 def test_two_logs_are_shifted_against_each_other() -> None:

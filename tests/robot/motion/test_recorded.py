@@ -136,7 +136,7 @@ def test_blanks_make_no_other_motion() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "at least 4 lines"),
+        ("", "must be those of a recording"),
         ("1 2 3 4 5 6\n" * 3, "got 3"),
         ("1 2 3 4 5 6\n" * 4 + "1 2 3", "line 5 has 3"),
         ("1 2 3 4 5 6\n" * 4 + "1 2 x 4 5 6", "line 5 holds 'x'"),

@@ -17,6 +17,7 @@ from slidetune.robot.loop.simulate import simulate
 from slidetune.server.report.run_columns import run_columns
 from slidetune.server.report.run_figures import run_page
 from slidetune.server.report.run_report import print_report, report
+from slidetune.server.state.published import published_schema
 
 
 def arm(name: str, *slides: bool) -> KnownArm:
@@ -86,3 +87,9 @@ def test_a_preset_says_the_units_of_its_arm_and_how_many_joints_it_has() -> None
     assert "k₁, N·m·s/rad | N·s/m, Eq. 13" in both
     assert "ω, rad/s: angular frequency" in both
     assert "α₀, rad: phase" in both
+
+
+def test_angles_of_a_sine_stay_angles_where_a_joint_slides() -> None:
+    sine = published_schema("slider")["$defs"]["SineTrajectory"]["properties"]
+    units = [sine[name]["unit"] for name in ("amplitude", "angular_frequency", "phase", "offset")]
+    assert units == ["m", "rad/s", "rad", "m"]
