@@ -24,6 +24,7 @@ from slidetune.server.routes.kept_studies import kept_studies_router
 from slidetune.server.routes.lens import lens_router
 from slidetune.server.routes.lessons import lessons_router
 from slidetune.server.routes.live import live_router
+from slidetune.server.routes.logs import logs_router
 from slidetune.server.routes.presets import presets_router
 from slidetune.server.routes.preview import preview_router
 from slidetune.server.routes.results import results_router
@@ -78,6 +79,7 @@ def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     app.include_router(experiment_router(app_state))
     app.include_router(presets_router(app_state))
     app.include_router(arms_router(app_state))
+    app.include_router(logs_router(app_state))
     app.include_router(history_router(app_state))
     app.include_router(lessons_router())
     app.include_router(preview_router(app_state))

@@ -120,6 +120,7 @@ class ResultCounts(BaseModel):
 
     response: int = Field(description="Whole responses: ``GET /api/results/response``.")
     lens: int = Field(description="Lens results: ``GET /api/results/lens``.")
+    logs: int = Field(description="Changes of logs and of their curves: ``GET /api/logs``.")
 
 
 class SessionState(BaseModel):

@@ -29,10 +29,13 @@ from slidetune.server.guard.limits import (
     MessageTooLargeError,
     SessionBusyError,
     TooManyKeptStudiesError,
+    TooManyLogsError,
     TooManyPatchesError,
     TooManyPresetsError,
     TooManyStudiesError,
 )
+from slidetune.server.logs.store import UnknownLogError
+from slidetune.server.logs.work_apart import LogStorageError, RefusedLogError
 from slidetune.server.studies.store import StudyStorageError, UnknownStudyError
 
 log = logging.getLogger("slidetune.http")
@@ -61,6 +64,10 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (TooManyStudiesError, 429, "too_many_studies"),
     (TooManyPresetsError, 507, "too_many_presets"),
     (TooManyKeptStudiesError, 507, "too_many_kept_studies"),
+    (TooManyLogsError, 507, "too_many_logs"),
+    (UnknownLogError, 404, "unknown_log"),
+    (RefusedLogError, 422, "refused_log"),
+    (LogStorageError, 507, "storage"),
     (UnknownStudyError, 404, "unknown_study"),
     (StudyStorageError, 507, "storage"),
 )

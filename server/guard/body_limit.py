@@ -7,9 +7,10 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from slidetune.server.guard.errors import error_body
-from slidetune.server.guard.limits import MAX_ARM, MAX_BODY
+from slidetune.server.guard.limits import MAX_ARM, MAX_BODY, MAX_LOG
 
-_ARMS = ("POST", "/api/arms")
+_MORE = {("POST", "/api/arms"): MAX_ARM, ("POST", "/api/logs"): MAX_LOG}
+"""Routes that take files."""
 # What is left of the body is not read: the connection can't carry another request.
 _CLOSE = {"connection": "close"}
 
@@ -22,7 +23,7 @@ def too_large(most: int) -> str:
 class BodyLimit:
     """ASGI middleware: at most ``MAX_BODY`` bytes a request, announced or not.
 
-    An arm with its meshes may have ``MAX_ARM``.
+    An arm with its meshes may have ``MAX_ARM``, a log of a real arm ``MAX_LOG``.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -34,7 +35,7 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        most = MAX_ARM if (scope["method"], scope["path"]) == _ARMS else MAX_BODY
+        most = _MORE.get((scope["method"], scope["path"]), MAX_BODY)
         announced = dict(scope["headers"]).get(b"content-length", b"")
         if announced.isdigit() and int(announced[:20]) > most:
             answer = JSONResponse(error_body("too_large", too_large(most)), 413, _CLOSE)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from slidetune.robot.errors import SlidetuneError
 from slidetune.robot.fields.plain_values import MOST_KEYS
+from slidetune.robot.recordings.limits import LARGEST_FILE
 
 MAX_CLIENTS = 128
 """Most clients of the live WebSocket at once, and most of the 3D scene's (*ours*)."""
@@ -17,9 +18,14 @@ MAX_LIVE_MESSAGE = 64 * 1024
 """Most characters of a message to the live session (*ours*): a patch of everything that there is
 takes 20 kB. A longer one is refused in words."""
 MAX_BODY = 256 * 1024
-"""Largest body of an HTTP request in bytes, on every route but that for arms (*ours*)."""
+"""Largest body of an HTTP request in bytes, on every route but those for arms and logs
+(*ours*)."""
 MAX_ARM = 100 * 1024 * 1024
 """Largest description of an arm with its meshes that can be sent, in bytes (*ours*)."""
+MAX_LOG = LARGEST_FILE + 1024 * 1024
+"""Largest log of a real arm that can be sent, in bytes (*ours*): the file and what is around it."""
+MAX_LOGS = 4
+"""Most logs that are kept at once (*ours*): two to show, and two to change them for."""
 CLIENT_RATE = 240.0
 """Messages a second that one client may send over the live WebSocket (*ours*): four times what a
 drag sends at 60 pictures a second. Frames that bring no whole message, such as pings, may come as
@@ -68,6 +74,10 @@ class TooManyKeptStudiesError(LimitError):
     """There are as many studies as may be."""
 
 
+class TooManyLogsError(LimitError):
+    """There are as many logs as may be."""
+
+
 class TooManyPresetsError(LimitError):
     """There are as many presets as may be."""
 
@@ -81,6 +91,8 @@ def limits_document() -> dict[str, int]:
         "message_keys": MOST_KEYS,
         "body_bytes": MAX_BODY,
         "arm_bytes": MAX_ARM,
+        "log_bytes": LARGEST_FILE,
+        "logs": MAX_LOGS,
         "client_messages_a_second": int(CLIENT_RATE),
         "client_messages_at_once": CLIENT_BURST,
         "all_patches_a_second": int(TOTAL_RATE),

@@ -23,6 +23,7 @@ from slidetune.server.law_files.law_files import LawFiles
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.session import Session
 from slidetune.server.live.telemetry import Telemetry
+from slidetune.server.logs.store import LogStore
 from slidetune.server.scene.feed import SceneFeed
 from slidetune.server.scene.scene import Scene
 from slidetune.server.state.document import Document
@@ -67,6 +68,7 @@ class AppState:
         previews: whole responses for the screen.
         results: what the owner last asked for of the live experiment.
         studies: searches, draws and sweeps that outlive a request.
+        logs: logs of the real arm that the owner has brought.
         law_files: files of laws of one's own, which were named on the command line.
         started: monotonic time of the start in [s].
     """
@@ -99,6 +101,7 @@ class AppState:
         self.previews = Previews(self.workers)
         self.results = LastResults()
         self.studies = StudyRunner(StudyStore(study_folder()), lambda: self._executor(scheduler))
+        self.logs = LogStore()
         self.law_files = law_files or LawFiles()
         self.started = monotonic()
         self._remarks: tuple[Packed | None, dict[str, Any]] = (None, {})
@@ -117,6 +120,7 @@ class AppState:
         self.session.stop()
         self.workers.stop()
         self.studies.close()
+        self.logs.close()
         self.view.scene.close()
 
     def _executor(self, scheduler: str) -> AbstractContextManager[Executor]:
@@ -181,7 +185,7 @@ class AppState:
             **self.session.state(),
             "selected": selected,
             "view": view,
-            "results": self.results.counts(),
+            "results": {**self.results.counts(), "logs": self.logs.changes},
         }
 
     def metrics(self) -> dict[str, Any]:

@@ -200,6 +200,8 @@ def dashboard(shared_dashboard: Dashboard, request: pytest.FixtureRequest) -> It
             client.delete(f"/api/presets/{preset['name']}").raise_for_status()
     for study in client.get("/api/studies").json()["studies"]:
         client.delete(f"/api/studies/{study['id']}").raise_for_status()
+    for log in client.get("/api/logs").json()["logs"]:
+        client.delete(f"/api/logs/{log['number']}").raise_for_status()
     client.post("/api/presets/paper/load").raise_for_status()
     for arm in client.get("/api/arms").json()["arms"]:
         if not arm["shipped"]:

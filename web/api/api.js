@@ -48,8 +48,8 @@ export {ApiError};
  */
 /** @typedef {import('./telemetry_frame.js').Frame} Frame */
 /** @typedef {{name: string, title: string, description: string, shipped: boolean}} Preset */
-/** @typedef {import('./lesson_document.js').Lesson} Lesson */
-/** @typedef {import('./lesson_document.js').LessonSummary} LessonSummary */
+/** @typedef {import('../lessons/lesson_document.js').Lesson} Lesson */
+/** @typedef {import('../lessons/lesson_document.js').LessonSummary} LessonSummary */
 
 /** For so long after a change here, what the server says of the view may be older. */
 const VIEW_MS = 1000;

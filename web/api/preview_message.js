@@ -33,12 +33,21 @@ const PATH_COLUMNS = 3;
 
 /**
  * @param {ArrayBuffer} buffer
+ * @returns {{head: {[name: string]: any}, end: number}} the JSON before the columns, and where it ends
+ */
+export function headOf(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, LENGTH_BYTES, length));
+  return {head: JSON.parse(text), end: LENGTH_BYTES + length};
+}
+
+/**
+ * @param {ArrayBuffer} buffer
  * @returns {Response} its columns are views of the buffer
  */
 export function decodedResponse(buffer) {
-  const length = new DataView(buffer).getUint32(0, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, LENGTH_BYTES, length)));
-  let offset = LENGTH_BYTES + length;
+  const {head, end} = headOf(buffer);
+  let offset = end;
   const column = (/** @type {number} */ rows) => {
     const values = new Float32Array(buffer, offset, rows);
     offset += rows * NUMBER_BYTES;

@@ -1,7 +1,11 @@
 // @ts-check
-/** YAML in: picked, dropped on the page or pasted; arms by a drop. What is refused changes nothing. */
+/**
+ * YAML in: picked, dropped on the page or pasted; arms and logs of a real arm as well. What is refused
+ * changes nothing.
+ */
 
 import {droppedFiles, mayBeArm} from '../arms/dropped.js';
+import {isRecording} from '../own_data/own_data.js';
 import {showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {isTyping} from '../screen/keys.js';
@@ -16,10 +20,11 @@ const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m
  * @param {import('../api/api.js').Api} api
  * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
- * @param {import('../arms/arms.js').Arms} arms take what is no experiment
+ * @param {{arms: import('../arms/arms.js').Arms,
+ *   ownData: import('../own_data/own_data.js').OwnData}} others take what is no experiment
  * @returns {() => void} opens the file picker
  */
-export function mountImport(api, history, tell, arms) {
+export function mountImport(api, history, tell, {arms, ownData}) {
   const take = async (/** @type {string} */ name, /** @type {string} */ text) => {
     try {
       await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
@@ -30,6 +35,10 @@ export function mountImport(api, history, tell, arms) {
   };
   const takeFile = async (/** @type {File|undefined} */ file) => {
     if (!file) return;
+    if (isRecording(file)) {
+      ownData.take(file);
+      return;
+    }
     try {
       // Before it is read: it may be a film.
       const {body_bytes: most} = await api.limits();
@@ -51,7 +60,7 @@ export function mountImport(api, history, tell, arms) {
   });
   return () => {
     const picker = element('input', {
-      type: 'file', accept: '.yaml,.yml,.json,application/yaml,application/json',
+      type: 'file', accept: '.yaml,.yml,.json,application/yaml,application/json,.csv,.mcap',
       on: {change: () => takeFile(picker.files?.[0])},
     });
     picker.click();
@@ -61,7 +70,7 @@ export function mountImport(api, history, tell, arms) {
 /** @param {(transfer: DataTransfer) => void} take */
 function mountDrop(take) {
   const veil = element('div', {class: 'drop-veil', hidden: true},
-    element('p', {}, 'Drop a YAML experiment, or an arm: its URDF, a ZIP or a folder'));
+    element('p', {}, 'Drop a YAML experiment; an arm: its URDF, a ZIP or a folder; or a log of the real arm: CSV or MCAP'));
   document.body.append(veil);
   const carriesFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');
   addEventListener('dragenter', (event) => { if (carriesFile(event)) veil.hidden = false; });

@@ -4,7 +4,7 @@
 import {element, withIndices} from '../dom/element.js';
 
 /**
- * @param {import('../api/lesson_document.js').LessonChange[]} list
+ * @param {import('./lesson_document.js').LessonChange[]} list
  * @returns {HTMLElement|null} null where there is nothing to tell
  */
 export function changes(list) {

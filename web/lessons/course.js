@@ -3,8 +3,8 @@
 
 import {difference} from '../fields/merge_patch.js';
 
-/** @typedef {import('../api/lesson_document.js').Lesson} Lesson */
-/** @typedef {import('../api/lesson_document.js').LessonStep} LessonStep */
+/** @typedef {import('./lesson_document.js').Lesson} Lesson */
+/** @typedef {import('./lesson_document.js').LessonStep} LessonStep */
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /**
  * What there was before the lesson.

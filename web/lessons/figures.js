@@ -6,7 +6,7 @@ import {measured} from './measure.js';
 import {figureNumber, threeDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 
-/** @typedef {import('../api/lesson_document.js').LessonFigure} Figure */
+/** @typedef {import('./lesson_document.js').LessonFigure} Figure */
 /** @typedef {{figure: Figure, cell: HTMLElement, text: string}} Row */
 
 /** Time between two looks in [ms]. */

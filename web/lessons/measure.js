@@ -4,7 +4,7 @@
 import {JOINTS} from '../api/arm.js';
 import {amplitudeSpectrum} from '../curves/spectrum.js';
 
-/** @typedef {import('../api/lesson_document.js').LessonFigure} Figure */
+/** @typedef {import('./lesson_document.js').LessonFigure} Figure */
 /** @typedef {import('../curves/ring.js').Ring} Ring */
 
 const AXES = ['x', 'y', 'z'];

@@ -7,7 +7,7 @@ import {changes} from './changes.js';
 import {LessonQuestion} from './question.js';
 
 /** @typedef {import('./course.js').Course} Course */
-/** @typedef {import('../api/lesson_document.js').LessonSummary & import('./progress.js').Progress} Row */
+/** @typedef {import('./lesson_document.js').LessonSummary & import('./progress.js').Progress} Row */
 /**
  * @typedef {object} Actions what the panel asks for
  * @property {(name: string) => void} begin a lesson

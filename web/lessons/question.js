@@ -5,7 +5,7 @@ import {element, freshId} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {changes} from './changes.js';
 
-/** @typedef {import('../api/lesson_document.js').LessonQuestion} Question */
+/** @typedef {import('./lesson_document.js').LessonQuestion} Question */
 
 /** One question. */
 export class LessonQuestion {
@@ -52,7 +52,7 @@ export class LessonQuestion {
 
   /**
    * @param {number|null} guess null for a skipped one
-   * @param {import('../api/lesson_document.js').LessonChange[]} changed what the step has changed
+   * @param {import('./lesson_document.js').LessonChange[]} changed what the step has changed
    */
   reveal(guess, changed) {
     const {answer, choices, explanation} = this.#question;

@@ -10,9 +10,11 @@ import {mount as mountStudies} from '../studies/studies.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /**
- * What a view may use beside the server: whole responses, undo, presets, and a word in the corner.
+ * What a view may use beside the server: whole responses, logs of the real arm, undo, presets, and a
+ * word in the corner.
  * @typedef {{preview: import('../api/preview.js').Preview,
  *   before: import('../response/before.js').ResponseBefore,
+ *   logs: import('../logs/logs.js').Logs,
  *   history: import('../api/undo.js').History, presets: import('../experiment/presets.js').Presets,
  *   tell: import('../dom/notices.js').Tell}} Desk
  */

@@ -3,6 +3,7 @@
 
 import {isSampledEvery} from '../curves/panel_curves.js';
 import {calmOnTop} from '../curves/trace_order.js';
+import {dashOf} from '../logs/look.js';
 import {extent, wanted} from '../curves/y_range.js';
 import {boundsOf} from '../bounds/bounds.js';
 
@@ -13,11 +14,12 @@ import {boundsOf} from '../bounds/bounds.js';
 /** @typedef {import('../curves/panel_curves.js').DrawnPanel} DrawnPanel */
 /** @typedef {import('../curves/y_range.js').Range} Range */
 /** @typedef {{id: number, name: string, response: Response}} Pinned */
+/** @typedef {{number: number, name: string, overlay: import('../api/log_requests.js').Overlay}} Logged */
 /** @typedef {{lane: LaneResponse, curve: Curve}} Traced */
 /**
  * `lanes`: those to show, of the live experiment and, where only a baseline has them, others;
- * `before`: the one before the last change; `goals`: those of the experiment.
- * @typedef {{panels: ResponsePanel[], current: Response|null, pinned: Pinned[],
+ * `logs`: of the real arm; `before`: the one before the last change; `goals`: those of the experiment.
+ * @typedef {{panels: ResponsePanel[], current: Response|null, pinned: Pinned[], logs: Logged[],
  *   before: Response|null, goals: {[name: string]: import('../goals/words.js').Goal},
  *   shows: (lane: string) => boolean, window: Range}} ResponseSheet
  */
@@ -30,7 +32,8 @@ const FAINTEST = 0.4;
 const DASHES = '6px,4px';
 /** Solid as the present, but a broad shadow behind it. */
 const BEFORE = {width: 4, opacity: 0.4, quiet: true};
-/** How far it may stretch a range: the present curves keep a fifth of the height. Ours. */
+const LOG_WIDTH = 1.7;
+/** How far these two may stretch a range: the present curves keep a fifth of the height. Ours. */
 const BEFORE_STRETCH = 4;
 /** The same of a goal's bound: the curves keep a quarter. Ours. */
 const BOUND_STRETCH = 3;
@@ -44,11 +47,11 @@ const scaled = new WeakMap();
  */
 export function responsePanels(sheet, ranges) {
   return sheet.panels.map((panel) => {
-    const {now, then, before} = tracesOf(sheet, panel);
+    const {now, then, before, logged} = tracesOf(sheet, panel);
     const over = (/** @type {Traced[]} */ list) => calmOnTop(list.map(({curve}) => curve));
     const bounds = boundsOf(sheet.goals, panel, sheet.current, sheet.shows);
-    const curves = [...over(before), ...over(then), ...over(now), ...bounds.map(boundCurve)];
-    const data = dataRange([...then, ...now], before, sheet.window);
+    const curves = [...over(before), ...over(then), ...over(now), ...over(logged), ...bounds.map(boundCurve)];
+    const data = dataRange([...then, ...now], [...before, ...logged], sheet.window);
     const range = ranges.linear(panel.id, withBounds(data, bounds), panel);
     for (const {cross} of curves) {
       if (cross) cross.y = Math.min(Math.max(cross.y, range[0]), range[1]);
@@ -89,8 +92,8 @@ function withBounds(range, bounds) {
  */
 export function responseReadings(sheet, time) {
   return sheet.panels.flatMap((panel) => {
-    const {now, then} = tracesOf(sheet, panel);
-    return [...now, ...then].map(({lane, curve: {trace, y, steps}}) => ({
+    const {now, then, logged} = tracesOf(sheet, panel);
+    return [...now, ...then, ...logged].map(({lane, curve: {trace, y, steps}}) => ({
       lane: trace.lane, label: trace.look?.name ?? trace.lane,
       panel: `${panel.title} ${panel.quantity}`, unit: panel.unit,
       value: valueAt(lane.time, y, time, steps),
@@ -101,10 +104,10 @@ export function responseReadings(sheet, time) {
 /**
  * @param {ResponseSheet} sheet
  * @param {ResponsePanel} panel
- * @returns {{now: Traced[], then: Traced[], before: Traced[]}} of the current response, of the
- *   baselines, and of the response before the last change
+ * @returns {{now: Traced[], then: Traced[], before: Traced[], logged: Traced[]}} of the current
+ *   response, of the baselines, of the response before the last change, and of logs
  */
-function tracesOf({current, pinned, before, shows}, panel) {
+function tracesOf({current, pinned, logs, before, shows}, panel) {
   const drawn = (/** @type {Response} */ response, /** @type {(lane: string) => object} */ how) => (
     [...response.lanes.values()].filter(({name}) => shows(name))
       .map((lane) => ({lane, curve: curveOf(lane, panel, how(lane.name), response.hold)}))
@@ -121,6 +124,13 @@ function tracesOf({current, pinned, before, shows}, panel) {
     before: before ? drawn(before, (lane) => ({
       role: 'before', look: {...BEFORE, name: `${lane} · before the last change`},
     })).map(({lane, curve}) => ({lane, curve: {...curve, cross: null}})) : [],
+    // A log is nobody's lane, whatever its file is called.
+    logged: logs.flatMap(({number, name, overlay: {response}}, index) => (
+      [...response.lanes.values()].map((lane) => ({lane, curve: curveOf(lane, panel, {
+        lane: '', role: `log${number}`,
+        look: {name, width: LOG_WIDTH, dash: dashOf(index).dash, tone: 'muted'},
+      }, 0)}))
+    )),
   };
 }
 

@@ -5,10 +5,12 @@ import {element} from '../dom/element.js';
 import {COLUMNS, best, figureNumber, figureText, inDigits} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
 import {changeOf} from '../figures/change.js';
+import {dashOf} from '../logs/look.js';
 import {boundedFigure} from '../goals/words.js';
 import {icon} from '../dom/icons.js';
 import {isWatching} from '../api/watch_only.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
+import {written} from '../fields/quantity.js';
 
 /** @typedef {import('../figures/columns.js').Column} Column */
 /** @typedef {import('../api/preview_message.js').LaneResponse} LaneResponse */
@@ -16,7 +18,8 @@ import {withScrollCue} from '../dom/scroll_cue.js';
 /** @typedef {import('./baselines.js').Baseline} Baseline */
 /**
  * @typedef {{lanes: import('../api/api.js').Lane[], selected: string, joints: number[],
- *   current: Response|null, baselines: Baseline[]}} Compared
+ *   current: Response|null, baselines: Baseline[],
+ *   logs: import('./curves.js').Logged[]}} Compared
  */
 /**
  * @typedef {{row: HTMLTableRowElement, cells: HTMLTableCellElement[],
@@ -61,12 +64,13 @@ export class ResponseMetrics {
 
   /** @param {Compared} compared */
   show(compared) {
-    const {lanes, joints, baselines, current} = compared;
+    const {lanes, joints, baselines, current, logs} = compared;
     this.#compared = compared;
     const columns = columnsFor(joints);
     const shown = baselines.filter((baseline) => baseline.shown);
-    const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name])]);
-    if (built !== this.#built) this.#build(lanes, columns, shown);
+    const built = JSON.stringify([lanes, joints, shown.map(({id, name}) => [id, name]),
+      logs.map(({number}) => number)]);
+    if (built !== this.#built) this.#build(lanes, columns, shown, logs);
     this.#built = built;
     for (const button of this.#goalButtons) {
       button.disabled = !current;
@@ -84,14 +88,16 @@ export class ResponseMetrics {
         this.#fillBaseline(name, baseline, now, columns);
       }
     }
+    for (const log of logs) this.#fillLog(log, columns);
   }
 
   /**
    * @param {import('../api/api.js').Lane[]} lanes
    * @param {Column[]} columns
    * @param {Baseline[]} baselines
+   * @param {import('./curves.js').Logged[]} logs
    */
-  #build(lanes, columns, baselines) {
+  #build(lanes, columns, baselines, logs) {
     this.#rows.clear();
     this.#goalButtons = [];
     const bodies = lanes.map(({name, color}) => {
@@ -109,6 +115,12 @@ export class ResponseMetrics {
       }
       return body;
     });
+    bodies.push(...logs.map(({number, name}, index) => {
+      const line = element('span', {class: 'log-line', 'aria-hidden': 'true'});
+      const head = element('span', {class: 'response-lane', 'data-line': dashOf(index).name}, line,
+        element('span', {class: 'response-lane-name', title: name}, name));
+      return element('tbody', {}, this.#row(logKey(number), columns, head));
+    }));
     this.#table.replaceChildren(
       element('caption', {class: 'metrics-caption'}, 'The whole response of each lane, and how it '
         + 'changed against its baselines'),
@@ -189,7 +201,23 @@ export class ResponseMetrics {
       fill(cells[index], textOf(column, then), change);
     });
   }
+
+  /**
+   * @param {import('./curves.js').Logged} log
+   * @param {Column[]} columns
+   */
+  #fillLog({number, overlay: {response, begin, end, against}}, columns) {
+    const {row, cells, estimate} = /** @type {Row} */ (this.#rows.get(logKey(number)));
+    const [lane = null] = response.lanes.values();
+    row.title = `the log’s rows from ${written(begin)} to ${written(end)} s, `
+      + `against ${against === 'log' ? 'its own' : 'the experiment’s'} desired motion`;
+    setText(estimate, '–');
+    columns.forEach((column, index) => setText(cells[index], textOf(column, lane)));
+  }
 }
+
+/** @param {number} number of a log */
+function logKey(number) { return `log ${number}`; }
 
 /**
  * @param {string} lane

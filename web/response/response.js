@@ -13,6 +13,7 @@ import {ResponseRemarks} from './remarks.js';
 import {ResponseSource} from './source.js';
 import {goalWords} from '../goals/words.js';
 import {isWatching} from '../api/watch_only.js';
+import {LogList} from '../logs/log_list.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
@@ -39,6 +40,8 @@ class ResponsePlots {
   #screen;
   #head;
   #list;
+  #logs;
+  #logList;
   #remarks;
   #metrics;
   #bounds;
@@ -61,7 +64,9 @@ class ResponsePlots {
     this.#baselines = new Baselines(this.#preview);
     this.#remarks = new ResponseRemarks(api, desk);
     this.#list = new BaselineList(this.#baselines, () => this.#pin());
-    const source = new ResponseSource(api, this.#preview, this.#before, this.#baselines);
+    this.#logs = desk.logs;
+    this.#logList = new LogList(desk.logs);
+    const source = new ResponseSource(api, this.#preview, this.#before, this.#baselines, desk.logs);
     this.#metrics = new ResponseMetrics((figure) => {
       api.dispatchEvent(new CustomEvent('goal', {detail: figure}));
     });
@@ -73,7 +78,7 @@ class ResponsePlots {
       opens: this.#opens, open: (on) => this.#openOnDrag(on),
       scene: recall('response.scene') === '1', paths: (on) => this.#pathsInScene(on),
     });
-    toolbar.element.append(this.#head.status, this.#list.element);
+    toolbar.element.append(this.#head.status, this.#list.element, this.#logList.element);
     root.classList.add('plots', 'response');
     const {history, tell} = desk;
     root.append(
@@ -97,6 +102,7 @@ class ResponsePlots {
     this.#preview.addEventListener('failed', show);
     this.#before.addEventListener('change', show);
     this.#baselines.addEventListener('change', show);
+    this.#logs.addEventListener('change', show);
     api.addEventListener('hello', () => { this.#completeIfSeen(); show(); });
     api.addEventListener('patch', (event) => {
       this.#head.show();
@@ -119,6 +125,7 @@ class ResponsePlots {
     // Asked for in the middle of a drag, the page would lay everything out.
     this.#seen = !document.hidden && this.#root.checkVisibility();
     this.#preview.needed('view', this.#seen);
+    this.#logs.seen = this.#seen;
     this.#completeIfSeen();
     if (this.#seen) this.#tab?.mark(false);
   }
@@ -166,8 +173,10 @@ class ResponsePlots {
     this.#screen.stage.style.setProperty('--panels', String(view.panels(joints).length));
     this.#remarks.show(lanes, latest);
     this.#list.show(Boolean(latest));
+    this.#logList.show();
     this.#metrics.show({
       lanes, selected, joints, current: latest, baselines: this.#baselines.list,
+      logs: this.#logs.drawn,
     });
   }
 }

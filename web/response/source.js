@@ -25,18 +25,21 @@ export class ResponseSource {
   #preview;
   #before;
   #baselines;
+  #logs;
 
   /**
    * @param {import('../api/api.js').Api} api
    * @param {import('../api/preview.js').Preview} preview
    * @param {import('./before.js').ResponseBefore} before
    * @param {import('./baselines.js').Baselines} baselines
+   * @param {import('../logs/logs.js').Logs} logs
    */
-  constructor(api, preview, before, baselines) {
+  constructor(api, preview, before, baselines, logs) {
     this.#api = api;
     this.#preview = preview;
     this.#before = before;
     this.#baselines = baselines;
+    this.#logs = logs;
   }
 
   /** In [s] of what is drawn. */
@@ -76,7 +79,7 @@ export class ResponseSource {
    */
   sheet(choice) {
     const content = this.content(choice);
-    const drawable = content.current || content.pinned.length;
+    const drawable = content.current || content.pinned.length || content.logs.length;
     return {
       title: `Response: ${choice.view.title}`,
       panels: drawable ? content.panels : [],
@@ -98,7 +101,7 @@ export class ResponseSource {
       panels: view.panels(joints), current: this.#preview.latest,
       before: this.#before.isShown ? this.#before.response : null,
       goals: this.#api.experiment.goals ?? {},
-      pinned: this.#baselines.pinned,
+      pinned: this.#baselines.pinned, logs: this.#logs.drawn,
       shows: (lane) => !hidden.has(lane),
       window: this.window.range,
     };
@@ -107,8 +110,10 @@ export class ResponseSource {
   /** @param {ResponseView} view */
   table(view) {
     const {latest} = this.#preview;
-    const responses = [...(latest ? [{name: '', response: latest}] : []), ...this.#baselines.pinned];
-    return responseTable(view, responses);
+    const logs = this.#logs.drawn.map(({overlay: {response}}) => ({name: '', response}));
+    return responseTable(view, [
+      ...(latest ? [{name: '', response: latest}] : []), ...this.#baselines.pinned, ...logs,
+    ]);
   }
 
   /** @param {ResponseView} view */

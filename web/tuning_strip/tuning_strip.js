@@ -133,7 +133,8 @@ class TuningStrip {
     const shows = () => true;
     const goals = this.#api.experiment.goals ?? {};
     return {
-      ...responsePanels({panels, current, before, goals, pinned: [], shows, window}, this.#ranges)[0], window,
+      ...responsePanels({panels, current, before, goals, pinned: [], logs: [], shows, window}, this.#ranges)[0],
+      window,
     };
   }
 

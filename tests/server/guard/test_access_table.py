@@ -35,6 +35,8 @@ NAMED = [
     ("GET", "/scene/{}"),
     ("POST", "/api/history/{}/restore"),
     ("POST", "/api/studies/{}"),
+    ("GET", "/api/logs/{}/curves"),
+    ("DELETE", "/api/logs/{}"),
     ("GET", "/api/studies/{}"),
     ("GET", "/api/studies/{}/download?format=yaml"),
     ("DELETE", "/api/studies/{}"),

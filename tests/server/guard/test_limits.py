@@ -21,6 +21,7 @@ from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
 from slidetune.server.guard.limits import (
     MAX_ARM,
     MAX_BODY,
+    MAX_LOG,
     MAX_MESSAGE,
     MAX_PRESETS,
     MAX_STUDIES,
@@ -56,13 +57,18 @@ BODY_ROUTES = [
     ("POST", "/api/studies/strip"),
     ("POST", "/api/studies/sensitivity"),
     ("POST", "/api/studies/switching"),
+    ("PATCH", "/api/logs/1"),
+    ("DELETE", "/api/logs/1"),
+    ("POST", "/api/logs/1/curves"),
+    ("POST", "/api/logs/1/trajectory"),
+    ("POST", "/api/logs/1/identify"),
     ("DELETE", "/api/presets/nothing"),
     ("POST", "/api/nowhere"),
 ]
 ACTS_WITHOUT = ("/api/session/play", "/api/arms/pendulum/begin", "/api/nowhere")
 """Routes that act without a body and never read one."""
-ARMS = ("POST", "/api/arms")
-"""The one route that takes more."""
+TAKING_FILES = {("POST", "/api/arms"): MAX_ARM, ("POST", "/api/logs"): MAX_LOG}
+"""Routes that take more."""
 
 
 def refusal(answer: httpx.Response, status: int, code: str) -> str:
@@ -111,14 +117,18 @@ def test_every_route_that_takes_a_body_is_in_the_table(served: Served) -> None:
         if "requestBody" in route
     }
     known = {(method, path) for method, path in BODY_ROUTES}
-    assert {(m, p.replace("{name}", "too-large")) for m, p in taking} <= {*known, ARMS}
+    named = {
+        (method, path.replace("{name}", "too-large").replace("/{number}", "/1"))
+        for method, path in taking
+    }
+    assert named <= {*known, *TAKING_FILES}
 
 
-@pytest.mark.parametrize(("method", "path"), [*BODY_ROUTES, ARMS])
+@pytest.mark.parametrize(("method", "path"), [*BODY_ROUTES, *TAKING_FILES])
 def test_a_body_that_announces_its_size_is_refused_unread(
     served: Served, method: str, path: str
 ) -> None:
-    most = MAX_ARM if (method, path) == ARMS else MAX_BODY
+    most = TAKING_FILES.get((method, path), MAX_BODY)
     # Nothing but the header is sent: an answer shows that nobody waits for the rest.
     head = f"{method} {path} HTTP/1.1\r\nHost: {served.url[7:]}\r\n"
     with socket.create_connection(("127.0.0.1", served.policy.port), timeout=20.0) as line:

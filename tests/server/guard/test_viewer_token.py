@@ -40,6 +40,7 @@ EVERYTHING_THAT_READS = [
     "/api/presets",
     "/api/presets/paper",
     "/api/arms",
+    "/api/logs",
     "/api/history",
     "/api/lessons",
     "/api/studies",
@@ -151,7 +152,8 @@ def test_the_list_of_what_reads_is_complete(shared: Served) -> None:
     tried = [*EVERYTHING_THAT_READS, *NOTHING_YET]
     missing = reading - {path.partition("?")[0] for path in tried}
     of_one_study = {f"/api/studies/{{number}}{rest}" for rest in OF_A_STUDY}
-    assert missing == {"/api/presets/{name}", "/api/lessons/{name}", *of_one_study}
+    of_one_log = "/api/logs/{number}/curves"
+    assert missing == {"/api/presets/{name}", "/api/lessons/{name}", of_one_log, *of_one_study}
 
 
 def test_a_viewer_reads_and_follows_studies(shared: Served, viewer: httpx.Client) -> None:
