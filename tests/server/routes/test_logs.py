@@ -250,7 +250,8 @@ def test_friction_that_acted_is_recovered(live: Served) -> None:
 
 def test_a_log_of_another_arm_is_not_compared(live: Served) -> None:
     number = send(live, log_text()).json()["log"]["number"]
-    assert live.http.post("/api/arms/pendulum/begin").status_code == 200
+    pendulum = {"robot": {"model": "pendulum"}, "lanes": {"A": {"law": "smc"}}}
+    live.app_state.document.replace(Experiment.from_document(pendulum))
     for what in ("curves", "trajectory", "identify"):
         refused = live.http.post(f"/api/logs/{number}/{what}", json={})
         assert refused.status_code == 422
