@@ -13,6 +13,8 @@ import {SCHEMA} from './schema_document.js';
 export const ARM = SCHEMA['x-arm'];
 /** Its joints by number, from 1. */
 export const JOINTS = ARM.joints.map((_, index) => index + 1);
+/** What its description calls them. */
+export const JOINT_NAMES = ARM.joints.map(({name}) => name);
 /** What stands for the unit of a joint that turns where it slides; the longer ones first. */
 const SLIDING = [['N·m', 'N'], ['kg·m²', 'kg'], ['rad', 'm']];
 
