@@ -3,6 +3,8 @@
 
 import {logTrajectory} from '../api/log_requests.js';
 import {JOINT_NAMES, unitAt} from '../api/arm.js';
+import {figureNumber} from '../figures/columns.js';
+import {figureOf} from '../figures/figure.js';
 import {element} from '../dom/element.js';
 import {showDialog} from '../dom/dialog.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
@@ -14,7 +16,7 @@ import {listOf, waitFor} from './waiting.js';
 /** @typedef {import('../api/log_requests.js').LogTrajectory} LogTrajectory */
 
 const MILLI = 1000;
-const DIGITS = 3;
+const ERROR = figureOf('max_error');
 
 /**
  * @param {import('../api/api.js').Api} api
@@ -54,7 +56,7 @@ export async function showTrajectory(api, history, tell, {number, name}) {
 /** @param {LogTrajectory} found */
 function residuals({rms, greatest}) {
   const cell = (/** @type {number} */ value, /** @type {number} */ at) => (
-    element('td', {class: 'own-data-number'}, `${Number((value * MILLI).toPrecision(DIGITS))} ${unitAt('mrad', at + 1)}`)
+    element('td', {class: 'own-data-number'}, `${figureNumber(ERROR, value)} ${unitAt(ERROR.shown_unit, at + 1)}`)
   );
   return element('table', {class: 'own-data-table'},
     element('thead', {}, element('tr', {}, ...['joint', 'effective', 'greatest'].map((text) => (
