@@ -177,8 +177,8 @@ def identify(
     from slidetune.robot.arm.known import arm_named
     from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
     from slidetune.robot.experiment.presets import load_preset
-    from slidetune.robot.identification.identify import PARTS
     from slidetune.robot.identification.identify import identify as identify_arm
+    from slidetune.robot.identification.numbers import PARTS
     from slidetune.robot.recordings.recording import read_recording
     from slidetune.server.recordings.tables import (
         identification_document,

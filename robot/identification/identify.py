@@ -9,9 +9,17 @@ from typing import Any, Literal
 import numpy as np
 
 from slidetune.robot.arm.known import arm_named
-from slidetune.robot.arm.section import Payload, Robot
-from slidetune.robot.fields.quantity import bounds
+from slidetune.robot.arm.section import Robot
 from slidetune.robot.identification.filtering import kinematics_of
+from slidetune.robot.identification.numbers import (
+    PARTS,
+    bounds_of,
+    names_of,
+    part_of,
+    title_of,
+    unit_of,
+    values_of,
+)
 from slidetune.robot.identification.regressor import Equation, equation_of, flange_of
 from slidetune.robot.identification.solving import PAYLOAD, Solution, solve
 from slidetune.robot.recordings.recording import Recording
@@ -20,10 +28,6 @@ from slidetune.robot.recordings.refused import RecordingError
 Array = np.ndarray
 Told = Literal["yes", "given", "no"]
 
-PARTS = ("payload", "armature", "viscous_friction", "coulomb_friction")
-"""What can be fitted."""
-_PER_JOINT = PARTS[1:]
-_AXES = ("x", "y", "z")
 _CLEAR = 0.3
 """Share in a direction that nothing tells from which on a number is part of it (*ours*)."""
 _SURE = 1.96
@@ -159,9 +163,9 @@ def identify(
         raise RecordingError(f"{recording.name}: has no measured angles, only those asked for")
     log = kinematics_of(recording, torque_of(recording, constants), bandwidth)
     equation = equation_of(robot, log)
-    names = _names(robot)
-    present, lower, upper = _values(robot), *_bounds(len(names))
-    fitted = np.array([_part(path) in wanted for path in names])
+    names = names_of(robot)
+    present, lower, upper = values_of(robot), *bounds_of(len(names))
+    fitted = np.array([part_of(path) in wanted for path in names])
     much = _much(robot, equation)
     present = np.clip(present, lower, upper)
     solution, reasons = _told(equation, robot, names, present, fitted, (lower, upper), much)
@@ -179,33 +183,6 @@ def identify(
         patch=_patch(robot, estimates),
         remarks=_remarks(recording, whole, left),
     )
-
-
-def _names(robot: Robot) -> list[str]:
-    """Return the fields in the order of the numbers."""
-    joints = arm_named(robot.model).joints
-    center = [f"robot.payload.center.{axis}" for axis in range(3)]
-    each = [f"robot.{part}.{joint}" for part in _PER_JOINT for joint in range(joints)]
-    return ["robot.payload.mass", *center, *each]
-
-
-def _part(path: str) -> str:
-    return path.split(".")[1]
-
-
-def _values(robot: Robot) -> Array:
-    joints = arm_named(robot.model).joints
-    each = [np.broadcast_to(getattr(robot, part), joints) for part in _PER_JOINT]
-    return np.concatenate([[robot.payload.mass], robot.payload.center, *each]).astype(float)
-
-
-def _bounds(count: int) -> tuple[Array, Array]:
-    """Return what the fields permit. A point mass that isn't negative is a body that can be."""
-    joints = (count - PAYLOAD) // 3
-    ends = [bounds(Payload, "mass"), *[bounds(Payload, "center")] * 3]
-    ends += [bounds(Robot, part) for part in _PER_JOINT for _ in range(joints)]
-    low, high = np.array(ends, dtype=float).T
-    return low, high
 
 
 def _much(robot: Robot, equation: Equation) -> Array:
@@ -244,12 +221,21 @@ def _told(
         solution = solve(equation, flange, np.where(fitted, begin, present), fitted, *ends)
         found = _untold(solution, fitted, much)
         if found is None:
-            break
+            beyond = _beyond(solution, fitted, ends)
+            if beyond is None:
+                break
+            fitted[beyond] = False
+            middle, half = solution.free[beyond], solution.deviation[beyond]
+            reasons[beyond] = (
+                f"the log asks for {middle:.3g} ± {half:.2g}, beyond what is allowed: the model "
+                "lacks something, and its present value is kept"
+            )
+            continue
         fixed, members = found
         fitted[fixed] = False
         others = [member for member in members if member != fixed and fitted[member]]
         if others:
-            told = " and ".join(_title(robot, names[member]) for member in others)
+            told = " and ".join(title_of(names[member]) for member in others)
             reasons[fixed] = f"the log can't tell it from {told}: its present value is kept"
             for member in others:
                 given.setdefault(member, []).append(fixed)
@@ -257,9 +243,21 @@ def _told(
             reasons[fixed] = "the log does not excite it: its present value is kept"
     for member, fixes in given.items():
         if fitted[member]:
-            told = " and ".join(_title(robot, names[fixed]) for fixed in fixes)
+            told = " and ".join(title_of(names[fixed]) for fixed in fixes)
             reasons[member] = f"given the present value of {told}"
     return solution, reasons
+
+
+def _beyond(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> int | None:
+    """Return a number that the fit has pushed to an end at which no real one would be.
+
+    Nothing is an answer: no friction, no payload. As much as a field permits is none.
+    """
+    centre = np.arange(len(fitted)) < PAYLOAD
+    centre[0] = False
+    at_end = (solution.values == ends[1]) | (centre & (solution.values == ends[0]))
+    found = np.flatnonzero(fitted & at_end)
+    return int(found[0]) if len(found) else None
 
 
 def _untold(solution: Solution, fitted: Array, much: Array) -> tuple[int, list[int]] | None:
@@ -311,7 +309,7 @@ def _estimates(
             low, high, odd = _interval(solution, at, ends)
             told = "given" if reason else "yes"
             reason = "; ".join(part for part in (reason, odd) if part)
-        title, unit = _title(robot, path), _unit(path)
+        title, unit = title_of(path), unit_of(robot, path)
         found.append(
             Estimate(path, title, unit, float(present[at]), value, low, high, told, reason)
         )
@@ -333,26 +331,6 @@ def _interval(solution: Solution, at: int, ends: tuple[Array, Array]) -> tuple[f
         odd = f"the interval holds {lower:g}"
     low, high = float(np.clip(low, lower, upper)), float(np.clip(high, lower, upper))
     return min(low, value), max(high, value), odd
-
-
-def _title(robot: Robot, path: str) -> str:
-    part, last = _part(path), path.rsplit(".", 1)[-1]
-    if part == "payload":
-        return "payload mass" if last == "mass" else f"payload centre {_AXES[int(last)]}"
-    words = {
-        "armature": "rotor inertia",
-        "viscous_friction": "viscous friction",
-        "coulomb_friction": "Coulomb friction",
-    }
-    return f"{words[part]} of joint {int(last) + 1}"
-
-
-def _unit(path: str) -> str:
-    part = _part(path)
-    model: Any = Payload if part == "payload" else Robot
-    name = path.split(".")[2] if part == "payload" else part
-    extra: Any = model.model_fields[name].json_schema_extra
-    return str(extra["unit"])
 
 
 def _patch(robot: Robot, estimates: tuple[Estimate, ...]) -> dict[str, Any]:

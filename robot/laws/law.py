@@ -18,7 +18,7 @@ class PackedGains(Protocol):
     """A lane that can hand its gains to its kernels."""
 
     def pack(self, joints: int = JOINTS) -> Array:
-        """Return all gains as numbers. Shape (n, n)."""
+        """Return all gains as numbers, one column a joint. Shape (rows, joints)."""
         ...
 
 

@@ -49,7 +49,8 @@ Array = np.ndarray
 
 log = logging.getLogger("slidetune.lane")
 
-MEMORY = slice(CHANGE_Q, CHANGE_Q + MEMORY_ROWS)
+CHANGES = slice(CHANGE_Q, KNOWN)
+COUNTS = slice(KNOWN, CHANGE_Q + MEMORY_ROWS)
 """Rows of the workspace that a lane's next step depends on besides its state."""
 
 
@@ -85,7 +86,8 @@ class LaneState:
     Attributes:
         state: angles, velocities, weights or memory of the law, torques of the drives.
             Shape (16, 6).
-        memory: what the step before left for the next one. Shape (3, 6).
+        changes: what the step before tells the next one of its error. Shape (2, n).
+        counts: what it leaves besides, see ``KNOWN`` to ``CUT``. Shape (5,).
         torque: torque of the step before in [N m]. Shape (6,).
         row: the last recorded row, which a lane that stands still repeats. Shape (48,).
         commands: torques that wait for the input delay to pass in [N m], the oldest first.
@@ -97,7 +99,8 @@ class LaneState:
     """
 
     state: Array
-    memory: Array
+    changes: Array
+    counts: Array
     torque: Array
     row: Array
     commands: Array
@@ -207,7 +210,8 @@ class Lane:
         """Return a copy of all that step ``number``, the next one, and those after it depend on."""
         return LaneState(
             state=self.work[:STATE_ROWS].copy(),
-            memory=self.work[MEMORY].copy(),
+            changes=self.work[CHANGES].copy(),
+            counts=self.work[COUNTS, 0].copy(),
             torque=self.work[TAU].copy(),
             row=self.record[(number - 1) % len(self.record)].copy(),
             commands=np.roll(self.commands, -number, axis=0),
@@ -219,7 +223,8 @@ class Lane:
 
     def restore(self, past: LaneState, packed: Packed, number: int) -> None:
         """Go back to where the lane was, with step ``number`` as the next one."""
-        self.work[:STATE_ROWS], self.work[MEMORY] = past.state, past.memory
+        self.work[:STATE_ROWS], self.work[CHANGES] = past.state, past.changes
+        self.work[COUNTS, 0] = past.counts
         self.work[TAU] = past.torque
         self.record[(number - 1) % len(self.record)] = past.row
         self.commands = np.roll(past.commands, number, axis=0)

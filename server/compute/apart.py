@@ -8,8 +8,11 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+GIVES_WAY = 10
+"""By so much such a process is nicer than the server (*ours*)."""
 _LINES = 10
 """Most lines that are told of what a lost process said last (*ours*)."""
 
@@ -68,7 +71,12 @@ def ask_apart(module: str, asked: object, limit: float) -> Any:
 
 
 def answer_once(answer: Callable[[Any], object]) -> None:
-    """Answer the one question that a process is asked: JSON in, JSON out."""
+    """Answer the one question that a process is asked: JSON in, JSON out.
+
+    It gives way to the live session all the while.
+    """
+    with suppress(OSError):
+        os.nice(GIVES_WAY)
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what is printed meanwhile is no answer
     answers.write(json.dumps(answer(json.load(sys.stdin))))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from contextlib import suppress
 from threading import Thread
 
@@ -14,8 +13,6 @@ from slidetune.server.compute.apart import LostProcessError, answer_once, ask_ap
 
 log = logging.getLogger("slidetune.compute")
 
-GIVES_WAY = 10
-"""By so much what is compiled apart is nicer than the server (*ours*)."""
 LIMIT = 600.0
 """Longest time that compiling may take in [s] (*ours*): half a minute, on a busy machine many."""
 
@@ -47,8 +44,6 @@ def compile_ahead(model: str) -> None:
 
 
 def _compiled(model: str) -> bool:
-    with suppress(OSError):
-        os.nice(GIVES_WAY)
     warm_up_arm(model)
     return True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI
@@ -26,6 +27,18 @@ OR_YAML: dict[int | str, dict[str, Any]] = {
     200: {"content": {YAML: {"schema": {"type": "object"}}}}
 }
 """Answers in JSON, or in YAML where that is asked for."""
+
+
+def multipart(fields: Mapping[str, Mapping[str, Any]], required: Sequence[str]) -> dict[str, Any]:
+    """Return how OpenAPI says that a route takes a form with files.
+
+    Args:
+        fields: JSON Schema of each field.
+        required: those that have to be there.
+    """
+    schema = {"type": "object", "properties": dict(fields), "required": list(required)}
+    content = {"multipart/form-data": {"schema": schema}}
+    return {"requestBody": {"required": True, "content": content}}
 
 
 def methods_at(app: FastAPI, path: str) -> list[str]:

@@ -6,8 +6,6 @@ session is not kept waiting for it, and whatever becomes of it is lost with this
 
 from __future__ import annotations
 
-import os
-import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -28,8 +26,6 @@ from slidetune.server.compute.apart import answer_once
 from slidetune.server.logs.archive import load_recording, save_recording
 
 Asked = dict[str, Any]
-_NICE = 5
-"""How far this process stands back behind the live session (*ours*)."""
 _BUCKETS = 250
 """Pieces of a curve, of two points each (*ours*)."""
 
@@ -173,6 +169,4 @@ def _curves(found: Identification) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    if sys.platform != "win32":
-        os.nice(_NICE)
     answer_once(answered)

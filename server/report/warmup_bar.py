@@ -19,9 +19,13 @@ def warm_up_with_bar(console: Console, model: str = SHIPPED) -> None:
     """
     _warm_up_shipped(console)
     joints = arm_named(model).joints
-    if not is_warm(joints):
-        console.print(f"Compiling them for {joints} joints, too (once) …")
-    warm_up_arm(model)
+    if is_warm(joints):
+        warm_up_arm(model)
+        return
+    console.print(f"Compiling them for an arm with another number of joints, {joints} (once) …")
+    with Progress(BarColumn(), TimeElapsedColumn(), console=console, transient=True) as progress:
+        progress.add_task("kernels", total=None)
+        warm_up_arm(model)
 
 
 def _warm_up_shipped(console: Console) -> None:

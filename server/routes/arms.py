@@ -18,32 +18,23 @@ from slidetune.server.arms.uploads import take_arm
 from slidetune.server.compute.arm_kernels import load_kernels
 from slidetune.server.contract.arms import ArmList, ArmReport
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
+from slidetune.server.contract.openapi import multipart
 from slidetune.server.routes.experiment import answer
 from slidetune.server.state.app_state import AppState
 
 _REFUSED: dict[int | str, dict[str, Any]] = {422: {"model": ErrorAnswer}}
 _UNKNOWN: dict[int | str, dict[str, Any]] = {404: {"model": ErrorAnswer}}
-_FILES = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "properties": {
-                        "files": {
-                            "type": "array",
-                            "items": {"type": "string", "format": "binary"},
-                            "description": "The URDF and its meshes, each with its path as the "
-                            "name of the file, or a ZIP of them.",
-                        }
-                    },
-                    "required": ["files"],
-                }
-            }
-        },
-    }
-}
+_FILES = multipart(
+    {
+        "files": {
+            "type": "array",
+            "items": {"type": "string", "format": "binary"},
+            "description": "The URDF and its meshes, each with its path as the name of the file, "
+            "or a ZIP of them.",
+        }
+    },
+    ["files"],
+)
 
 
 def arms_router(app_state: AppState) -> APIRouter:

@@ -25,6 +25,7 @@ from slidetune.server.contract.logs import (
     TrajectoryRequest,
 )
 from slidetune.server.contract.messages import ErrorAnswer
+from slidetune.server.contract.openapi import multipart
 from slidetune.server.contract.wrong_request import refused_fields
 from slidetune.server.logs.overlay import overlay_of
 from slidetune.server.logs.work_apart import identify_apart, read_apart, trajectory_apart
@@ -47,32 +48,22 @@ _CURVES: dict[int | str, dict[str, Any]] = {
     },
     204: {"description": "None yet, or the client has disconnected."},
 }
-_FORM = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "properties": {
-                        "file": {
-                            "type": "string",
-                            "format": "binary",
-                            "description": "CSV, or MCAP with sensor_msgs/JointState.",
-                        },
-                        "wanted": {
-                            "type": "string",
-                            "description": "JSON: `mapping` (column by `time`, joint, "
-                            "`joint.torque` …), `source`, `angles` (`rad` or `deg`), `time` (`s`, "
-                            "`ms`, `us` or `ns`); whatever headers say already may be left out.",
-                        },
-                    },
-                    "required": ["file"],
-                }
-            }
+_FORM = multipart(
+    {
+        "file": {
+            "type": "string",
+            "format": "binary",
+            "description": "CSV, or MCAP with sensor_msgs/JointState.",
         },
-    }
-}
+        "wanted": {
+            "type": "string",
+            "description": "JSON: `mapping` (column by `time`, joint, `joint.torque` …), "
+            "`source`, `angles` (`rad` or `deg`), `time` (`s`, `ms`, `us` or `ns`); whatever "
+            "headers say already may be left out.",
+        },
+    },
+    ["file"],
+)
 
 
 def logs_router(app_state: AppState) -> APIRouter:

@@ -30,6 +30,14 @@ export function unitAt(unit, joint) {
 }
 
 /**
+ * @param {string} unit of joints that turn
+ * @returns {string} of all joints: both where only some slide
+ */
+export function unitOfAll(unit) {
+  return [...new Set(JOINTS.map((joint) => unitAt(unit, joint)))].join(' | ');
+}
+
+/**
  * Whoever changes the arm, every page begins anew: before anybody else hears of the other one.
  *
  * @param {import('./api.js').Api} api nobody listens to yet

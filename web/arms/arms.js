@@ -127,7 +127,7 @@ export class Arms {
     const {preset, experiment, title} = JSON.parse(kept);
     if (experiment.robot.model === ARM.name) return;
     const run = () => { this.#history.restore(preset, experiment).catch((error) => this.#fail(error)); };
-    this.#tell(`The arm is ${ARM.title} now.`, {action: {label: `Back to ${title}`, run}});
+    this.#tell(`The arm is ${ARM.title} now.`, {action: {label: `Back to ${title}`, run}, stays: true});
   }
 
   /**

@@ -9,8 +9,9 @@ const MOST = 4;
 
 /** @typedef {{label: string, run: () => void}} Action */
 /**
- * @typedef {(text: string, options?: {error?: boolean, action?: Action}) => (() => void)} Tell
- *   says it, and returns what takes it back
+ * `stays`: until it is dismissed, as what offers something once.
+ * @typedef {(text: string, options?: {error?: boolean, action?: Action, stays?: boolean})
+ *   => (() => void)} Tell says it, and returns what takes it back
  */
 
 /**
@@ -19,11 +20,11 @@ const MOST = 4;
  */
 export function mountNotices(place) {
   place.classList.add('notices');
-  return (text, {error = false, action} = {}) => {
+  return (text, {error = false, action, stays = false} = {}) => {
     for (const shown of place.querySelectorAll('.notice')) {
       if (shown.querySelector('.notice-text')?.textContent === text) shown.remove();
     }
-    const box = notice(text, error, action);
+    const box = notice(text, error, action, stays);
     place.append(box);
     while (place.children.length > MOST) place.firstElementChild?.remove();
     return () => box.remove();
@@ -33,9 +34,10 @@ export function mountNotices(place) {
 /**
  * @param {string} text
  * @param {boolean} error
- * @param {Action} [action]
+ * @param {Action|undefined} action
+ * @param {boolean} stays
  */
-function notice(text, error, action) {
+function notice(text, error, action, stays) {
   const remove = () => box.remove();
   const act = action && element('button', {
     class: 'button small', type: 'button',
@@ -47,6 +49,7 @@ function notice(text, error, action) {
   const box = element('div', {
     class: error ? 'notice is-error' : 'notice', role: error ? 'alert' : 'status',
   }, element('span', {class: 'notice-text'}, text), act, close);
+  if (stays) return box;
   let timer = setTimeout(remove, STAY_MS);
   box.addEventListener('pointerenter', () => clearTimeout(timer));
   box.addEventListener('focusin', () => clearTimeout(timer));

@@ -1,6 +1,7 @@
 // @ts-check
 /** What can be bounded: its name, its unit on the screen, and whether it has joints. */
 
+import {unitAt, unitOfAll} from '../api/arm.js';
 import {FIGURES} from '../figures/figure.js';
 import {inDigits} from '../figures/columns.js';
 import {withUnit} from '../fields/quantity.js';
@@ -33,7 +34,7 @@ const CHANNELS = [
   ['S', 'sliding variable |S|', 'rad/s', 1, true],
   ['flange_error', 'flange error', 'mm', 1000, false],
 ].map(([name, title, unit, factor, joints]) => /** @type {Bounded} */ ({
-  id: `response.${name}`, kind: 'response', name, title, unit, factor, joints,
+  id: `response.${name}`, kind: 'response', name, title, unit: joints ? unitOfAll(unit) : unit, factor, joints,
 }));
 
 /** Everything that can be bounded, in the order in which it is offered. */
@@ -72,7 +73,8 @@ export function boundedBy(goal) {
 export function goalWords(goal, horizon) {
   const {title, unit, factor} = boundedBy(goal);
   const joint = goal.joint ? ` of joint ${goal.joint}` : '';
-  return `${title}${joint} ≤ ${withUnit(goal.bound * factor, unit)}${span(goal, horizon)}`;
+  const own = goal.joint ? unitAt(unit, goal.joint) : unit;
+  return `${title}${joint} ≤ ${withUnit(goal.bound * factor, own)}${span(goal, horizon)}`;
 }
 
 /**

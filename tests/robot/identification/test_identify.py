@@ -10,14 +10,17 @@ import pinocchio as pin
 import pytest
 
 from slidetune.robot.arm.arm import build_model
+from slidetune.robot.arm.known import add_arm
 from slidetune.robot.arm.section import Payload, Robot
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.identification.filtering import kinematics_of
-from slidetune.robot.identification.identify import PARTS, Identification, identify, torque_of
+from slidetune.robot.identification.identify import Identification, identify, torque_of
+from slidetune.robot.identification.numbers import PARTS, unit_of
 from slidetune.robot.identification.regressor import equation_of, flange_of, payload_columns
 from slidetune.robot.loop.simulate import Run, simulate
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
+from tests.robot.first_experiment.drawn_arms import drawn_arm
 
 Array = np.ndarray
 
@@ -237,6 +240,30 @@ def test_a_bound_holds_and_what_the_log_asks_for_beyond_it_is_told(two: Run) -> 
     assert friction.value == 0.0
     assert (friction.low, friction.high) == (0.0, 0.0)
     assert "without its bounds the log asks for -2" in friction.reason
+
+
+def test_what_the_fit_pushes_to_the_most_that_is_allowed_is_not_used(two: Run) -> None:
+    lane = two.lanes["A"]
+    speeding = np.gradient(lane.v, two.time, axis=0)
+    torque = lane.tau + np.array([0.0, 30.0]) * speeding
+    robot = unknowing(two)
+    found = identify(Recording("log.csv", two.time, lane.q, True, tau=torque), robot)
+    inertia = {one.path: one for one in found.estimates}["robot.armature.1"]
+    assert (inertia.told, inertia.value) == ("no", None)
+    assert "beyond what is allowed" in inertia.reason
+    kept = np.broadcast_to(robot.armature, 2)[1]
+    assert found.patch["robot"].get("armature", [0.0, kept])[1] == kept
+
+
+def test_units_are_those_of_each_joint() -> None:
+    arm = drawn_arm(3, 0, slides=True)
+    add_arm(arm)
+    assert set(arm.slides) == {True, False}
+    robot = Robot(model=arm.name)
+    for joint, slides in enumerate(arm.slides):
+        friction = unit_of(robot, f"robot.viscous_friction.{joint}")
+        assert friction == ("N·s/m" if slides else "N·m·s/rad")
+    assert unit_of(robot, "robot.payload.center.0") == "m"
 
 
 def test_only_what_is_asked_for_is_fitted(two: Run) -> None:

@@ -219,7 +219,7 @@ def test_a_moment_takes_little_memory() -> None:
         arrays = [value for value in vars(lane).values() if isinstance(value, np.ndarray)]
         assert all(array.base is None for array in arrays)
         sizes[delay] = sum(array.nbytes for array in arrays)
-    assert sizes[0.0] <= 1700
+    assert sizes[0.0] <= 1500
     assert sizes[0.05] - sizes[0.0] <= 24_000
 
 

@@ -6,10 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from slidetune.robot.arm.known import known_arms
+from slidetune.robot.arm.known import add_arm, known_arms
 from slidetune.robot.arm.section import Robot
 from slidetune.server.scene.scene import LaneStyle, Scene, SceneFrame
 from slidetune.server.scene.shape import Shape, shape_of
+from tests.robot.first_experiment.drawn_arms import drawn_arm
 from tests.server.scene.viser_client import ViserClient, until
 
 Array = np.ndarray
@@ -22,7 +23,14 @@ def angles_of(shape: Shape) -> Array:
     return np.linspace(0.4, -0.3, shape.joints)
 
 
-@pytest.mark.parametrize("name", NAMES)
+def drawn(joints: int, seed: int) -> str:
+    """Return the name of a drawn arm, with joints about any axis, some of which slide."""
+    arm = drawn_arm(joints, seed, slides=True)
+    add_arm(arm)
+    return arm.name
+
+
+@pytest.mark.parametrize("name", [*NAMES, *(drawn(joints, 7 * joints) for joints in (1, 3, 7, 12))])
 def test_nodes_one_in_the_other_stand_where_pinocchio_has_the_joints(name: str) -> None:
     shape = shape_of(name)
     q = angles_of(shape)

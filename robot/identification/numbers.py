@@ -1,0 +1,79 @@
+"""The numbers that a log may tell: their fields, what they are called, and what is permitted.
+
+In this order: mass and centre of the payload, then armature, viscous and Coulomb friction of each
+joint.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from slidetune.robot.arm.known import arm_named
+from slidetune.robot.arm.section import Payload, Robot
+from slidetune.robot.fields.quantity import bounds
+from slidetune.robot.fields.units import sliding
+from slidetune.robot.identification.solving import PAYLOAD
+
+Array = np.ndarray
+
+PARTS = ("payload", "armature", "viscous_friction", "coulomb_friction")
+"""What can be fitted."""
+PER_JOINT = PARTS[1:]
+_AXES = ("x", "y", "z")
+
+
+def names_of(robot: Robot) -> list[str]:
+    """Return the fields in the order of the numbers."""
+    joints = arm_named(robot.model).joints
+    center = [f"robot.payload.center.{axis}" for axis in range(3)]
+    each = [f"robot.{part}.{joint}" for part in PER_JOINT for joint in range(joints)]
+    return ["robot.payload.mass", *center, *each]
+
+
+def part_of(path: str) -> str:
+    """Return the field of the arm that a number belongs to."""
+    return path.split(".")[1]
+
+
+def values_of(robot: Robot) -> Array:
+    """Return what the experiment has. Shape (p,)."""
+    joints = arm_named(robot.model).joints
+    each = [np.broadcast_to(getattr(robot, part), joints) for part in PER_JOINT]
+    return np.concatenate([[robot.payload.mass], robot.payload.center, *each]).astype(float)
+
+
+def bounds_of(count: int) -> tuple[Array, Array]:
+    """Return what the fields permit, least and greatest. Shapes (p,).
+
+    A point mass that isn't negative is a body that can be.
+    """
+    joints = (count - PAYLOAD) // 3
+    ends = [bounds(Payload, "mass"), *[bounds(Payload, "center")] * 3]
+    ends += [bounds(Robot, part) for part in PER_JOINT for _ in range(joints)]
+    low, high = np.array(ends, dtype=float).T
+    return low, high
+
+
+def title_of(path: str) -> str:
+    """Return what a number is called, in words."""
+    part, last = part_of(path), path.rsplit(".", 1)[-1]
+    if part == "payload":
+        return "payload mass" if last == "mass" else f"payload centre {_AXES[int(last)]}"
+    words = {
+        "armature": "rotor inertia",
+        "viscous_friction": "viscous friction",
+        "coulomb_friction": "Coulomb friction",
+    }
+    return f"{words[part]} of joint {int(last) + 1}"
+
+
+def unit_of(robot: Robot, path: str) -> str:
+    """Return the unit of a number: that of its field, or of its joint where that slides."""
+    part, last = path.split(".")[1:3]
+    model: Any = Payload if part == "payload" else Robot
+    extra: Any = model.model_fields[last if part == "payload" else part].json_schema_extra
+    unit = str(extra["unit"])
+    slides = part != "payload" and arm_named(robot.model).slides[int(last)]
+    return sliding(unit) if slides else unit
