@@ -41,7 +41,7 @@ class Lenses {
   #status = element('span', {class: 'lens-status'});
   #message = element('p', {class: 'lens-message', role: 'status'});
   /** @type {HTMLButtonElement[]} */ #joints;
-  #slides = element('span', {class: 'lens-status', role: 'note'}, 'This joint slides: m stands for rad, N for N·m.');
+  #slides = element('span', {class: 'lens-slides', role: 'note'}, 'This joint slides: m stands for rad, N for N·m.');
   #seen = '';
   /** Of the experiment that the page shows. */ #revision;
   /** @type {any} */ #look = null;

@@ -43,7 +43,7 @@ REAL = {
     "xarm7.urdf": 7,
     "double_pendulum.urdf": 2,
 }
-DRAWN = [(joints, seed) for joints in (1, 2, 6, 7) for seed in range(2)]
+DRAWN = [(joints, seed) for joints in (1, 2, 6, 7) for seed in range(3)]
 SWINGS = 2.0 + 2.0 * np.pi
 """Two seconds and one period of the motion."""
 
