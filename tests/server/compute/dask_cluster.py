@@ -17,7 +17,11 @@ from slidetune.robot.experiment.presets import SHIPPED_FOLDER
 
 ROOT = SHIPPED_FOLDER.parent
 PATIENCE = 300.0
-AT = re.compile(r"(?:Scheduler|worker) at: +(tcp://\S+)")
+AT = {
+    "scheduler": re.compile(r"Scheduler at: +(tcp://\S+)"),
+    # A worker has its address before the scheduler knows of it.
+    "worker": re.compile(r"Start worker at: +(tcp://\S+)(?=.*Registered to: +tcp://)", re.DOTALL),
+}
 
 
 def until(what: Callable[[], Any]) -> Any:
@@ -49,7 +53,7 @@ class Process:
         self, kind: str, folder: Path, *arguments: str, source: Path = ROOT, **settings: str
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self._log = folder / "log"
+        self._kind, self._log = kind, folder / "log"
         command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *arguments]
         with self._log.open("wb") as log:
             self._process = subprocess.Popen(
@@ -65,7 +69,7 @@ class Process:
     def _find(self) -> str:
         text = self._log.read_text(encoding="utf-8", errors="replace")
         assert self._process.poll() is None, text
-        found = AT.search(text)
+        found = AT[self._kind].search(text)
         return found[1] if found else ""
 
     def send(self, number: signal.Signals) -> None:
