@@ -103,10 +103,12 @@ export function figureNumber({factor, digits}, value) {
 /**
  * @param {Figure} figure
  * @param {number|null|undefined} value as the server gives it
+ * @param {number} [joint] from 1, where it is of one
  * @returns {string} such as `8.31 mrad`, a dash where there is none
  */
-export function figureText(figure, value) {
-  const unit = typeof value === 'number' ? figure.shown_unit : '';
+export function figureText(figure, value, joint) {
+  const whole = joint ? unitAt(figure.shown_unit, joint) : figure.shown_unit;
+  const unit = typeof value === 'number' ? whole : '';
   return [figureNumber(figure, value), unit].filter(Boolean).join(' ');
 }
 

@@ -47,11 +47,11 @@ export class ChatteringLens {
     const {seen: {chattering}, joint, color, lane, gains, hold} = look;
     const one = chattering.joints[joint - 1];
     this.#card.facts = [
-      {name: 'total variation', value: figureText(VARIATION, one.variation),
+      {name: 'total variation', value: figureText(VARIATION, one.variation, joint),
         title: 'Total variation of this joint’s torque per second'},
       {name: 'switches', value: `${threeDigits(one.switches)} /s`,
         title: `${SWITCHES.meaning} of this joint`},
-      {name: `above ${chattering.limit} Hz`, value: above(one.above)},
+      {name: `above ${chattering.limit} Hz`, value: above(one.above, joint)},
       {name: 'all joints', value: together(chattering)},
       ...(chattering.quiet ? [{
         name: 'without sensor noise', value: together(chattering.quiet),
@@ -61,15 +61,18 @@ export class ChatteringLens {
     this.#card.finding = chatteringFinding(chattering, inEffect(gains, hold));
     const spectra = spectraOf(chattering, joint, lane, color);
     this.#spectrum.draw(`Joint ${joint}: spectrum of the torque`, (colors) => (
-      spectrumFigure(colors, chattering, spectra, `${lane}-${joint}`)
+      spectrumFigure(colors, chattering, spectra, {lane, joint})
     ));
     this.#smoothing.show(look);
     this.#switching.show(look);
   }
 }
 
-/** @param {number|null} torque */
-function above(torque) { return `${figureText(ABOVE, torque)}${torque === null ? '' : ' RMS'}`; }
+/**
+ * @param {number|null} torque
+ * @param {number} [joint] where it is of one
+ */
+function above(torque, joint) { return `${figureText(ABOVE, torque, joint)}${torque === null ? '' : ' RMS'}`; }
 
 /** @param {any} chattering */
 function together({variation, switches, above: torque}) {

@@ -1,7 +1,7 @@
 // @ts-check
 /** The lenses: the selected lane's whole response, looked at so that it explains itself. */
 
-import {ARM, JOINTS} from '../api/arm.js';
+import {JOINTS} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {ChatteringLens} from './chattering.js';
 import {keyOf} from '../fields/response_key.js';
@@ -41,7 +41,6 @@ class Lenses {
   #status = element('span', {class: 'lens-status'});
   #message = element('p', {class: 'lens-message', role: 'status'});
   /** @type {HTMLButtonElement[]} */ #joints;
-  #slides = element('span', {class: 'lens-slides', role: 'note'}, 'This joint slides: m stands for rad, N for N·m.');
   #seen = '';
   /** Of the experiment that the page shows. */ #revision;
   /** @type {any} */ #look = null;
@@ -88,7 +87,7 @@ class Lenses {
       'div', {class: 'lens-head'}, this.#name,
       element('div', {class: 'lens-choices', role: 'group', 'aria-label': 'Joint'},
         element('span', {class: 'lens-label', 'aria-hidden': 'true'}, 'joint'), ...this.#joints),
-      this.#slides, this.#status,
+      this.#status,
     );
   }
 
@@ -141,7 +140,6 @@ class Lenses {
     this.#joints.forEach((button, index) => {
       button.setAttribute('aria-pressed', String(JOINTS[index] === joint));
     });
-    this.#slides.hidden = !ARM.joints[joint - 1].slides;
     this.#show();
   }
 

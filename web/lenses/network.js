@@ -4,6 +4,7 @@
  * what a disturbance observer, or the integral of super-twisting, makes of it.
  */
 
+import {unitAt} from '../api/arm.js';
 import {plain} from '../plots/figure.js';
 import {LensCard, choice, percent} from './card.js';
 import {LensFigure, axis, faint} from './figure.js';
@@ -87,18 +88,19 @@ export class NetworkLens {
     this.#gaussianCard.words = `Each curve is one Gaussian’s activation h over ${name} ${symbol} of joint `
       + `${joint}; the bars are this run’s inputs. Only where the curves bend within the bars can `
       + 'the network distinguish one input from another.';
-    this.#gaussianCard.facts = gaussianFacts(one, network.centers);
-    this.#gaussianCard.finding = gaussianFinding(one, network.input);
+    this.#gaussianCard.facts = gaussianFacts(one, network.centers, unitAt('rad', joint));
+    this.#gaussianCard.finding = gaussianFinding(one, network.input, unitAt('rad', joint));
     this.#drawGaussians();
     const drawn = `Joint ${joint}: the ten weights at the end, the norm of the weights over time`;
     this.#weights.draw(drawn, (colors) => weightFigure(colors, look, network, one));
+    const torque = unitAt('N·m', joint);
     this.#torqueCard.facts = [
-      {name: 'needed', value: `${threeDigits(one.needed_rms)} N·m`,
+      {name: 'needed', value: `${threeDigits(one.needed_rms)} ${torque}`,
         title: 'Root mean square of τ_eq + F over the second half of the run'},
-      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
+      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} ${torque}`},
       {name: 'learnt', value: one.learnt === null ? '–' : percent(one.learnt)},
     ];
-    this.#torqueCard.finding = torqueFinding(one);
+    this.#torqueCard.finding = torqueFinding(one, torque);
     this.#torque.draw(`Joint ${joint}: network output f beside the needed torque`, (colors) => (
       torqueFigure(colors, look, network, one)
     ));
@@ -112,13 +114,14 @@ export class NetworkLens {
   #showObserver(look, one) {
     const {seen: {network}, joint} = look;
     this.#observerCard.words = observerWords(network);
+    const torque = unitAt('N·m', joint);
     this.#observerCard.facts = [
-      {name: 'lost', value: `${threeDigits(one.lost_rms)} N·m`,
+      {name: 'lost', value: `${threeDigits(one.lost_rms)} ${torque}`,
         title: 'Root mean square over the second half of the run'},
-      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} N·m`},
+      {name: 'left to the reaching law', value: `${threeDigits(one.missing_rms)} ${torque}`},
       {name: 'covered', value: one.known === null ? '–' : percent(one.known)},
     ];
-    this.#observerCard.finding = observerFinding(one, network);
+    this.#observerCard.finding = observerFinding(one, network, torque);
     this.#loss.draw(`Joint ${joint}: the estimate beside what the model lacks`, (colors) => (
       torqueFigure(colors, look, network, {needed: one.lost, f: one.f}, ['lacking', 'estimate'])
     ));
@@ -139,13 +142,14 @@ export class NetworkLens {
 /**
  * @param {any} one
  * @param {number[]} centers
+ * @param {string} unit of the inputs
  */
-function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, high}, centers) {
+function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, high}, centers, unit) {
   return [
     {name: 'centres', value: `${centers.length}, ${threeDigits(Math.min(...centers))} to `
-      + `${threeDigits(Math.max(...centers))} rad`},
-    {name: 'width', value: `b = ${withUnit(width, 'rad')}`},
-    {name: 'inputs', value: `${threeDigits(low)} to ${threeDigits(high)} rad`},
+      + `${threeDigits(Math.max(...centers))} ${unit}`},
+    {name: 'width', value: `b = ${withUnit(width, unit)}`},
+    {name: 'inputs', value: `${threeDigits(low)} to ${threeDigits(high)} ${unit}`},
     {name: 'coverage', value: percent(coverage),
       title: 'Share of the run in which at least one Gaussian is above 0.1'},
     {name: 'spread', value: threeDigits(spread),
@@ -158,8 +162,9 @@ function gaussianFacts({width, coverage, spread, effective_nodes: nodes, low, hi
 /**
  * @param {any} one
  * @param {string} input
+ * @param {string} unit of the inputs
  */
-function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
+function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input, unit) {
   if (coverage < 0.9) {
     return `For ${percent(1 - coverage)} of the run no Gaussian is active: there the network does not respond. `
       + 'Wider ones, or centres that span the inputs, would help.';
@@ -168,22 +173,25 @@ function gaussianFinding({coverage, effective_nodes: nodes, low, high}, input) {
     const other = input === 'error' ? ', or the network look at q_d, which ranges wider' : '';
     return 'All ten respond alike, whatever the input: together they act as one weight, an integrator '
       + `of S. To distinguish inputs, b and the spacing of the centres would have to be smaller than the range `
-      + `of the inputs, ${threeDigits(high - low)} rad${other}.`;
+      + `of the inputs, ${threeDigits(high - low)} ${unit}${other}.`;
   }
   return `Over these inputs the ten act as ${nodes.toFixed(1)} independent ones: the network can `
     + 'store a different torque for each.';
 }
 
-/** @param {any} one */
-function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}) {
+/**
+ * @param {any} one
+ * @param {string} unit of its torque
+ */
+function torqueFinding({learnt, needed_rms: needed, missing_rms: missing}, unit) {
   if (learnt === null) return 'This joint needs no torque: there is nothing to learn.';
   const [all, rest] = [threeDigits(needed), threeDigits(missing)];
   if (learnt < 0.1) {
-    return `f supplies hardly any of the ${all} N·m: the reaching law does the work, with an `
+    return `f supplies hardly any of the ${all} ${unit}: the reaching law does the work, with an `
       + 'error that stays. A higher φ learns faster.';
   }
-  return `In the second half of the run f supplies ${percent(learnt)} of the ${all} N·m that are `
-    + `needed; ${rest} N·m are left to the reaching law.`;
+  return `In the second half of the run f supplies ${percent(learnt)} of the ${all} ${unit} that are `
+    + `needed; ${rest} ${unit} are left to the reaching law.`;
 }
 
 /** @param {any} network */
@@ -202,18 +210,19 @@ function observerWords({observer, adds}) {
 /**
  * @param {any} one
  * @param {any} network
+ * @param {string} unit of its torque
  */
-function observerFinding({known, lost_rms: lost, missing_rms: missing}, {observer}) {
+function observerFinding({known, lost_rms: lost, missing_rms: missing}, {observer}, unit) {
   const [all, rest] = [threeDigits(lost), threeDigits(missing)];
   if (known === null) {
-    return `The model lacks nothing on this joint. What is estimated, ${rest} N·m, is noise.`;
+    return `The model lacks nothing on this joint. What is estimated, ${rest} ${unit}, is noise.`;
   }
   if (known < 0.1) {
-    return `The estimate misses ${rest} N·m of the ${all} N·m that the model lacks: `
+    return `The estimate misses ${rest} ${unit} of the ${all} ${unit} that the model lacks: `
       + `${observer === 'twisting' ? 'k₂ is' : 'K_o is'} too low for how fast that changes, or noise drowns it.`;
   }
-  return `In the second half of the run the estimate covers ${percent(known)} of the ${all} N·m `
-    + `that the model lacks; ${rest} N·m are left to the reaching law.`;
+  return `In the second half of the run the estimate covers ${percent(known)} of the ${all} ${unit} `
+    + `that the model lacks; ${rest} ${unit} are left to the reaching law.`;
 }
 
 /**
@@ -238,7 +247,7 @@ function gaussianFigure(colors, {color, joint, lane}, {input, centers}, one, fit
   const curves = centers.map((/** @type {number} */ center, /** @type {number} */ index) => ({
     type: 'scatter', mode: 'lines', uid: `h${index}`, x,
     y: x.map((value) => Math.exp(-0.5 * ((value - center) / one.width) ** 2)),
-    hovertemplate: `c = ${threeDigits(center)} rad<br>h = %{y:.4f}<extra></extra>`,
+    hovertemplate: `c = ${threeDigits(center)} ${unitAt('rad', joint)}<br>h = %{y:.4f}<extra></extra>`,
     line: {color: colors.muted, width: 1.2},
   }));
   const [, symbol] = INPUTS[input] ?? ['', 'x'];
@@ -254,13 +263,13 @@ function gaussianFigure(colors, {color, joint, lane}, {input, centers}, one, fit
       marker: {color: faint(color, 0.35), line: {width: 0}},
     }, ...curves, {
       type: 'scatter', mode: 'markers', uid: 'centers', x: centers,
-      y: centers.map(() => 0), hovertemplate: 'centre %{x:.4~g} rad<extra></extra>',
+      y: centers.map(() => 0), hovertemplate: `centre %{x:.4~g} ${unitAt('rad', joint)}<extra></extra>`,
       marker: {symbol: 'line-ns-open', size: 9, color: colors.text, line: {width: 1.5}},
     }],
     layout: {
       uirevision: `${lane}-${joint}-${fit}`,
       bargap: 0,
-      xaxis: axis(colors, {title: `${symbol.replace('_d', '<sub>d</sub>')} [rad]`, range}),
+      xaxis: axis(colors, {title: `${symbol.replace('_d', '<sub>d</sub>')} [${unitAt('rad', joint)}]`, range}),
       yaxis: axis(colors, {title: 'h', range: [-0.04, 1.08], nticks: 6}),
     },
   };
@@ -273,23 +282,24 @@ function gaussianFigure(colors, {color, joint, lane}, {input, centers}, one, fit
  * @param {any} one
  */
 function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, one) {
+  const torque = unitAt('N·m', joint);
   return {
     data: [{
       type: 'bar', uid: 'weights', x: centers.map((/** @type {number} */ _, /** @type {number} */ index) => index + 1),
       y: one.weights, customdata: centers, marker: {color},
-      hovertemplate: 'c = %{customdata:.4~g} rad<br>W = %{y:.4~g} N·m<extra></extra>',
+      hovertemplate: `c = %{customdata:.4~g} ${unitAt('rad', joint)}<br>W = %{y:.4~g} ${torque}<extra></extra>`,
     }, {
       type: 'scatter', mode: 'lines', uid: 'norm', x: time, y: one.norm, xaxis: 'x2', yaxis: 'y2',
-      hovertemplate: 't = %{x:.3f} s<br>norm of the weights %{y:.4~g} N·m<extra></extra>',
+      hovertemplate: `t = %{x:.3f} s<br>norm of the weights %{y:.4~g} ${torque}<extra></extra>`,
       line: {color, width: 1.6},
     }],
     layout: {
       uirevision: `${lane}-${joint}`,
       bargap: 0.25,
       xaxis: axis(colors, {title: 'node', domain: [0, 0.4], dtick: 1, tickangle: 0, showgrid: false}),
-      yaxis: axis(colors, {title: 'W [N·m]', nticks: 5}),
+      yaxis: axis(colors, {title: `W [${torque}]`, nticks: 5}),
       xaxis2: axis(colors, {title: 't [s]', domain: [0.56, 1], anchor: 'y2', zeroline: false}),
-      yaxis2: axis(colors, {title: 'norm of the weights [N·m]', anchor: 'x2', nticks: 5, rangemode: 'tozero'}),
+      yaxis2: axis(colors, {title: `norm of the weights [${torque}]`, anchor: 'x2', nticks: 5, rangemode: 'tozero'}),
     },
   };
 }
@@ -302,12 +312,13 @@ function weightFigure(colors, {color, joint, lane}, {centers, norm_time: time}, 
  * @param {[string, string]} [names] of what f is held against, and of f
  */
 function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one, names = ['needed', 'f']) {
+  const torque = unitAt('N·m', joint);
   // Of a long run only some samples are here.
   const steps = isSampledEvery(hold, (x[x.length - 1] - x[0]) / (x.length - 1));
   const line = (/** @type {string} */ uid, /** @type {string} */ name, /** @type {number[]} */ y,
     /** @type {object} */ style) => ({
     type: 'scatter', mode: 'lines', uid, name: plain(name), x, y,
-    hovertemplate: '%{y:.4~g} N·m', line: {simplify: false, ...style},
+    hovertemplate: `%{y:.4~g} ${torque}`, line: {simplify: false, ...style},
   });
   return {
     data: [
@@ -320,7 +331,7 @@ function torqueFigure(colors, {color, joint, lane, hold}, {torque_time: x}, one,
       xaxis: axis(colors, {
         title: 't [s]', zeroline: false, unifiedhovertitle: {text: 't = %{x:.3f} s'},
       }),
-      yaxis: axis(colors, {title: 'torque [N·m]', nticks: 7}),
+      yaxis: axis(colors, {title: `torque [${torque}]`, nticks: 7}),
     },
   };
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** The picture of harmonic balance: a joint's Nyquist curve against -1/N(A). */
 
+import {unitAt} from '../api/arm.js';
 import {plain} from '../plots/figure.js';
 import {axis} from './figure.js';
 import {threeDigits} from '../figures/columns.js';
@@ -16,14 +17,15 @@ import {isHeldByNothing} from './prediction_words.js';
 export function nyquistFigure(colors, one, {lane, color, joint}) {
   if (!one.crossing) return apart(colors, one, {lane, color, joint});
   const {crossing: [x, y], layer} = one;
+  const speed = unitAt('rad/s', joint);
   const size = Math.hypot(x, y);
   const reach = 1.6 * Math.max(size, layer);
   const silent = one.amplitude === 0;
   // Super-twisting has no layer, and turns its swing away from the axis.
-  const place = one.threshold === null ? '' : `ε* = ${threeDigits(size)} rad/s, `;
-  const unit = y === 0 ? 'rad/s' : 's';
+  const place = one.threshold === null ? '' : `ε* = ${threeDigits(size)} ${speed}, `;
+  const unit = y === 0 ? speed : 's';
   return {
-    data: [...curves(colors, one, {lane, color}), {
+    data: [...curves(colors, one, {lane, color, joint}), {
       type: 'scatter', mode: 'markers', uid: 'crossing', x: [x], y: [y],
       hovertemplate: `${place}${threeDigits(one.frequency)} Hz<extra></extra>`,
       marker: {symbol: 'circle-open', size: 13, color: silent ? colors.good : colors.bad, line: {width: 2.5}},
@@ -42,9 +44,9 @@ export function nyquistFigure(colors, one, {lane, color, joint}) {
  *
  * @param {Colors} colors
  * @param {any} one
- * @param {{lane: string, color: string}} of
+ * @param {{lane: string, color: string, joint: number}} of
  */
-function curves(colors, {curve: [real, imaginary], curve_frequency: frequency, line}, {lane, color}) {
+function curves(colors, {curve: [real, imaginary], curve_frequency: frequency, line}, {lane, color, joint}) {
   const [amplitude, ...balance] = line;
   return [{
     type: 'scatter', mode: 'lines', uid: 'curve', name: plain(lane), x: real, y: imaginary,
@@ -52,7 +54,7 @@ function curves(colors, {curve: [real, imaginary], curve_frequency: frequency, l
     line: {color, width: 1.8, simplify: false},
   }, {
     type: 'scatter', mode: 'lines', uid: 'balance', x: balance[0], y: balance[1], customdata: amplitude,
-    hovertemplate: '−1/N at A = %{customdata:.3~g} rad/s<extra></extra>',
+    hovertemplate: `−1/N at A = %{customdata:.3~g} ${unitAt('rad/s', joint)}<extra></extra>`,
     line: {color: colors.text, width: 3, dash: 'dot'},
   }];
 }
@@ -67,7 +69,7 @@ function curves(colors, {curve: [real, imaginary], curve_frequency: frequency, l
 function apart(colors, one, {lane, color, joint}) {
   const {layer, curve: [real, imaginary], curve_frequency: frequency, line, nearest} = one;
   // Of super-twisting the dots would be others at each frequency.
-  const unit = line[0].length ? 'rad/s' : 's';
+  const unit = line[0].length ? unitAt('rad/s', joint) : 's';
   const sizes = real.map((/** @type {number} */ x, /** @type {number} */ index) => Math.hypot(x, imaginary[index]));
   // Near 0 Hz a curve may be as long as it likes.
   const size = layer ? Math.min(Math.max(...sizes), 3 * layer) : sizes[Math.floor(sizes.length / 2)];
@@ -76,7 +78,7 @@ function apart(colors, one, {lane, color, joint}) {
     : frequency.findIndex((/** @type {number} */ value) => value >= nearest * (1 - 1e-9));
   const shown = at >= 0 && sizes[at] < reach;
   return {
-    data: [...curves(colors, one, {lane, color}), ...(shown ? [{
+    data: [...curves(colors, one, {lane, color, joint}), ...(shown ? [{
       type: 'scatter', mode: 'markers', uid: 'nearest', x: [real[at]], y: [imaginary[at]],
       hovertemplate: `nearest to the dots at ${threeDigits(nearest)} Hz<extra></extra>`,
       marker: {symbol: 'circle-open', size: 13, color: colors.good, line: {width: 2.5}},

@@ -1,6 +1,7 @@
 // @ts-check
 /** The prediction lens: chattering by harmonic balance beside the measured one, and its end. */
 
+import {unitAt, unitOfAll} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {LensCard, percent} from './card.js';
 import {LensFigure} from './figure.js';
@@ -17,9 +18,9 @@ const HEADINGS = [
   ['joint', ''],
   ['predicted Hz', 'Frequency at which the torque comes back half a period late; – where there is no limit cycle'],
   ['measured Hz', 'In the second half of the run; – where S is silent'],
-  ['predicted A [rad/s]', 'Half of what S swings; – where there is no limit cycle'],
-  ['measured A [rad/s]', 'In the second half of the run; – where S is silent'],
-  ['ε* [rad/s]', 'Layers that silence the loop where each joint has its own; one ε for all is told below'],
+  [`predicted A [${unitOfAll('rad/s')}]`, 'Half of what S swings; – where there is no limit cycle'],
+  [`measured A [${unitOfAll('rad/s')}]`, 'In the second half of the run; – where S is silent'],
+  [`ε* [${unitOfAll('rad/s')}]`, 'Layers that silence the loop where each joint has its own; one ε for all is told below'],
   ['locked', 'Joints that swing at one frequency and push each other'],
 ];
 
@@ -80,7 +81,7 @@ export class PredictionLens {
     const {epsilon} = prediction;
     this.#button.hidden = epsilon === null || isWatching();
     if (epsilon !== null) this.#button.textContent = proposal(prediction);
-    this.#curve.facts = facts(one, prediction);
+    this.#curve.facts = facts(one, prediction, unitAt('rad/s', joint));
     this.#curve.finding = cautions(one, joint, prediction);
     this.#curve.words = reading(one, joint, prediction);
     const drawn = one.curve[0].length > 0;
@@ -152,24 +153,25 @@ function range(one) {
 /**
  * @param {any} one
  * @param {any} prediction
+ * @param {string} speed unit of S
  */
-function facts(one, {switching, adaptive}) {
+function facts(one, {switching, adaptive}, speed) {
   const twisting = switching === 'twisting';
   const {kappa, frequency, crossing, alone, amplitude, locked, load, layer, gain} = one;
-  const unit = twisting ? 's' : 'rad/s';
+  const unit = twisting ? 's' : speed;
   return [
     ...(twisting ? [] : [
-      {name: 'κ', value: `${threeDigits(kappa)} rad/s²`, title: 'How fast its own switching torque moves S'},
+      {name: 'κ', value: `${threeDigits(kappa)} ${speed}²`, title: 'How fast its own switching torque moves S'},
     ]),
-    ...(adaptive ? [{name: 'k₂', value: `${threeDigits(gain)} rad/s²`, title: 'As it was where this joint needs the widest layer'}] : []),
+    ...(adaptive ? [{name: 'k₂', value: `${threeDigits(gain)} ${speed}²`, title: 'As it was where this joint needs the widest layer'}] : []),
     ...(switching === 'implicit' && layer ? [
-      {name: 'T·k₂', value: `${threeDigits(layer)} rad/s`, title: 'Layer of the implicit sign, of this joint alone'},
+      {name: 'T·k₂', value: `${threeDigits(layer)} ${speed}`, title: 'Layer of the implicit sign, of this joint alone'},
     ] : []),
     ...(frequency === null ? [] : [
       {name: 'crosses at', value: `${threeDigits(frequency)} Hz, ${threeDigits(Math.hypot(...crossing))} ${unit}`},
     ]),
     ...(locked.length > 1 && amplitude > 0 ? [
-      {name: 'alone', value: `${threeDigits(alone)} rad/s`, title: 'Amplitude if no other joint switched'},
+      {name: 'alone', value: `${threeDigits(alone)} ${speed}`, title: 'Amplitude if no other joint switched'},
     ] : []),
     ...(Math.abs(load) > OFTEN ? [
       {name: 'load', value: percent(Math.abs(load)), title: `Share of ${twisting ? 'z_max' : 'k₂'} that holds the joint on its surface`},

@@ -1,6 +1,7 @@
 // @ts-check
 /** What the numbers of the prediction lens say in words. */
 
+import {unitAt, unitOfAll} from '../api/arm.js';
 import {percent} from './card.js';
 import {threeDigits} from '../figures/columns.js';
 import {written} from '../fields/quantity.js';
@@ -36,7 +37,7 @@ export function whyNothing(lane, gains) {
  * @returns {string} what the button does
  */
 export function proposal({epsilon, switching, joints}) {
-  const value = Array.isArray(epsilon) ? 'each joint’s threshold' : `${written(epsilon)} rad/s`;
+  const value = Array.isArray(epsilon) ? 'each joint’s threshold' : `${written(epsilon)} ${unitOfAll('rad/s')}`;
   if (REPLACED.includes(switching)) return `Set ε to ${value} and sw to tanh`;
   return `Set ε to ${value}${isSilent(joints) ? ', the least that is silent' : ''}`;
 }
@@ -61,7 +62,7 @@ export function finding({joints, switching, threshold, adaptive}) {
   if (!swinging.length) return `No limit cycle: nothing comes late enough to make this loop swing.${present}`;
   if (switching === 'twisting') return 'Super-twisting swings, if only a little: weaker k₁ and k₂ or less delay make it less.';
   if (threshold === null) return `It swings farther and farther whatever ε is: what comes late is too much for it.${present}`;
-  const from = `silent from ε = ${threeDigits(threshold)} rad/s on for all joints, or from ε* of each`;
+  const from = `silent from ε = ${threeDigits(threshold)} ${unitOfAll('rad/s')} on for all joints, or from ε* of each`;
   if (switching === 'sign') return `sign swings whatever k₂ is. tanh in its place would be ${from}.${present}`;
   const loud = swinging.filter((/** @type {any} */ {amplitude}) => amplitude > 0).length;
   const many = loud === joints.length ? 'All joints swing' : `${loud} of ${joints.length} joints swing`;
@@ -73,7 +74,7 @@ export function finding({joints, switching, threshold, adaptive}) {
   const widest = Math.max(...joints.map((/** @type {any} */ {layer}) => layer));
   return loud
     ? `${many} at this ε; it is ${from}.${present}`
-    : `Silent: ε = ${threeDigits(widest)} rad/s is wide enough; it is ${from}.${present}`;
+    : `Silent: ε = ${threeDigits(widest)} ${unitOfAll('rad/s')} is wide enough; it is ${from}.${present}`;
 }
 
 /**
@@ -141,10 +142,11 @@ function whySilent(one, joint) {
       + 'something else does.';
   }
   const silent = `Joint ${joint} is silent`;
+  const unit = unitAt('rad/s', joint);
   if (crossing) {
     const size = Math.hypot(...crossing);
     if (layer > size) {
-      return `${silent}: its layer of ${threeDigits(layer)} rad/s is ${threeDigits(layer / size)} times as wide as `
+      return `${silent}: its layer of ${threeDigits(layer)} ${unit} is ${threeDigits(layer / size)} times as wide as `
         + 'the crossing is far from 0.';
     }
     return locked.length > 1
@@ -158,5 +160,5 @@ function whySilent(one, joint) {
       + `${threeDigits(nearest)} Hz.`;
   }
   if (!layer) return `${silent}: the curve never meets the dots.`;
-  return `${silent}: the curve stays nearer to 0 than the dots, which begin at ε = ${threeDigits(layer)} rad/s.`;
+  return `${silent}: the curve stays nearer to 0 than the dots, which begin at ε = ${threeDigits(layer)} ${unit}.`;
 }

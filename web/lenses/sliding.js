@@ -1,6 +1,7 @@
 // @ts-check
 /** The sliding-mode lens: a joint's error in its plane with the sliding curve, and V over time. */
 
+import {unitAt} from '../api/arm.js';
 import {plain} from '../plots/figure.js';
 import {LensCard, choice, percent} from './card.js';
 import {LensFigure, axis, faint} from './figure.js';
@@ -60,7 +61,7 @@ export class SlidingLens {
       + 'how fast that changes (de). The controller pulls it onto the line S = 0, along which the '
       + 'error slides to zero.';
     const sign = gains.switching === 'sign';
-    this.#planeCard.facts = planeFacts(one, sign);
+    this.#planeCard.facts = planeFacts(one, sign, unitAt('rad/s', joint));
     this.#planeCard.finding = planeFinding(one, horizon, gains);
     this.#drawPlane();
     this.#energyCard.facts = energyFacts(seen.sliding);
@@ -103,8 +104,9 @@ function energyFacts({growing, outside, turns, quiet_turns: quiet, joints}) {
 /**
  * @param {any} one
  * @param {boolean} sign whether it switches by sign(S)
+ * @param {string} unit of S
  */
-function planeFacts(one, sign) {
+function planeFacts(one, sign, unit) {
   const {layer, reaching_time: reached, last_outside: left, inside} = one;
   const constant = {
     name: 'on the line',
@@ -114,7 +116,7 @@ function planeFacts(one, sign) {
   };
   if (!layer) return [constant];
   return [
-    {name: sign ? 'practically zero' : 'layer', value: `|S| ≤ ${withUnit(layer, 'rad/s')}`},
+    {name: sign ? 'practically zero' : 'layer', value: `|S| ≤ ${withUnit(layer, unit)}`},
     {name: 'reached', value: reached === null ? 'never' : `at ${figureText(REACHING, reached)}`,
       title: sign ? 'When S first was practically zero or passed it'
         : 'When |S| first was within the boundary layer, or S passed zero'},
@@ -167,7 +169,8 @@ function planeFigure(colors, {color, joint, lane, horizon}, one, trail, fit) {
       line: {color: colors.muted, width: 1, dash: 'dot'},
     })),
   ];
-  const point = '%{customdata:.3f} s<br>e %{x:.4~g} rad<br>de %{y:.4~g} rad/s';
+  const angle = unitAt('rad', joint);
+  const point = `%{customdata:.3f} s<br>e %{x:.4~g} ${angle}<br>de %{y:.4~g} ${angle}/s`;
   const data = [
     ...layer,
     line({
@@ -187,8 +190,8 @@ function planeFigure(colors, {color, joint, lane, horizon}, one, trail, fit) {
   ];
   return {data, layout: {
     uirevision: `${lane}-${joint}-${fit}-${horizon}`,
-    xaxis: axis(colors, {title: 'e [rad]', range: x}),
-    yaxis: axis(colors, {title: 'de [rad/s]', range: y}),
+    xaxis: axis(colors, {title: `e [${angle}]`, range: x}),
+    yaxis: axis(colors, {title: `de [${angle}/s]`, range: y}),
     annotations: notes(colors, one, x, y),
   }};
 }

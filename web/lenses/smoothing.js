@@ -1,6 +1,7 @@
 // @ts-check
 /** Accuracy against chattering over the boundary layer: each point is a run, and sets its ε. */
 
+import {unitOfAll} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {plain} from '../plots/figure.js';
 import {LensCard} from './card.js';
@@ -276,7 +277,7 @@ function curveFigure(colors, {lane, color}, points, functions, present) {
       ...places(points), customdata: points.map(({value}) => value),
       text: points.map(({value}, index) => (index % 3 ? '' : short(value))),
       textposition: 'top center', textfont: {color: colors.muted, size: 10}, cliponaxis: false,
-      hovertemplate: `ε = %{customdata:.3~g} rad/s<br>${numbers}<br>click to set<extra></extra>`,
+      hovertemplate: `ε = %{customdata:.3~g} ${unitOfAll('rad/s')}<br>${numbers}<br>click to set<extra></extra>`,
       line: {color, width: 1.4}, marker: {color, size: 9},
     }, {
       type: 'scatter', mode: 'markers+text', uid: 'functions', ...places(functions),

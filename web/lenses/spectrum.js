@@ -1,6 +1,7 @@
 // @ts-check
 /** The picture of torque over frequency, with what counts as chattering marked. */
 
+import {unitAt} from '../api/arm.js';
 import {plain} from '../plots/figure.js';
 import {axis, faint} from './figure.js';
 
@@ -14,9 +15,10 @@ const DECADES = 7;
  * @param {Colors} colors
  * @param {any} chattering
  * @param {Spectrum[]} spectra over the same frequencies
- * @param {string} revision
+ * @param {{lane: string, joint: number}} of
  */
-export function spectrumFigure(colors, {frequency, limit}, spectra, revision) {
+export function spectrumFigure(colors, {frequency, limit}, spectra, {lane, joint}) {
+  const unit = `${unitAt('N·m', joint)}/√Hz`;
   const all = spectra.flatMap(({density}) => density);
   const top = Math.log10(Math.max(1e-9, ...all)) + 0.3;
   const least = Math.log10(Math.max(Math.min(...all.filter((value) => value > 0)), 1e-12)) - 0.2;
@@ -26,16 +28,16 @@ export function spectrumFigure(colors, {frequency, limit}, spectra, revision) {
     data: spectra.map(({name, color, dash, density, width = 1.6}, index) => ({
       type: 'scatter', mode: 'lines', uid: `density${index}`, name: plain(name),
       x: frequency, y: density,
-      hovertemplate: '%{x:.4~g} Hz<br>%{y:.3~g} N·m/√Hz',
+      hovertemplate: `%{x:.4~g} Hz<br>%{y:.3~g} ${unit}`,
       line: {color, width, dash, simplify: false},
     })),
     layout: {
-      uirevision: revision,
+      uirevision: `${lane}-${joint}`,
       xaxis: axis(colors, {
         title: 'frequency [Hz]', type: 'log', range: [Math.log10(first), right],
       }),
       yaxis: axis(colors, {
-        title: 'N·m/√Hz', type: 'log', range: [Math.max(least, top - DECADES), top], nticks: 6,
+        title: unit, type: 'log', range: [Math.max(least, top - DECADES), top], nticks: 6,
       }),
       shapes: [{
         type: 'rect', yref: 'paper', x0: limit, x1: 10 ** right, y0: 0, y1: 1, layer: 'below',

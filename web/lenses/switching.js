@@ -177,7 +177,7 @@ export class SwitchingCard {
       width: dash === 'solid' ? 2 : 1.5,
     }));
     this.#figure.draw(`Joint ${joint}: spectra of the torque under each`, (colors) => (
-      spectrumFigure(colors, ran[0].seen.chattering, spectra, `${lane}-${joint}`)
+      spectrumFigure(colors, ran[0].seen.chattering, spectra, {lane, joint})
     ));
   }
 

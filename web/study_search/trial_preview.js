@@ -1,7 +1,7 @@
 // @ts-check
 /** What a trial's response looks like beside the gains before: |e| over the horizon. */
 
-import {JOINTS} from '../api/arm.js';
+import {JOINTS, unitOfAll} from '../api/arm.js';
 import {choice} from '../lenses/card.js';
 import {LensFigure, axis} from '../lenses/figure.js';
 import {decodedResponse} from '../api/preview_message.js';
@@ -183,13 +183,13 @@ function figureOf(study, colors, curves, joint) {
   return {
     data: curves.map(({uid, name, color, dash, width, x, y}) => ({
       type: 'scatter', mode: 'lines', uid, name: plain(name), x, y, connectgaps: false,
-      line: {color, width, dash}, hovertemplate: '%{y:.3~g} rad at %{x:.3f} s',
+      line: {color, width, dash}, hovertemplate: `%{y:.3~g} ${unitOfAll('rad')} at %{x:.3f} s`,
     })),
     layout: {
       uirevision: `${study.id}`,
       xaxis: axis(colors, {title: 't [s]', range: [0, study.experiment.simulation.horizon]}),
       yaxis: axis(colors, {
-        title: '|e| [rad]', type: 'log', nticks: 5,
+        title: `|e| [${unitOfAll('rad')}]`, type: 'log', nticks: 5,
         range: [Math.log10(least) - 0.1, Math.log10(top) + 0.15],
       }),
       shapes: bounds.map(({from, to, y, hard}) => ({

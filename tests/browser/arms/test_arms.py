@@ -102,6 +102,32 @@ def test_an_arm_that_is_dropped_is_examined_kept_and_begun_with(
     expect(page.locator("dialog .arm-choice[aria-current]")).to_contain_text("mine")
 
 
+def test_a_joint_that_slides_has_its_units_in_every_lens(
+    opened: Page, dashboard: Dashboard
+) -> None:
+    page = opened
+    turning = b'<joint name="elbow" type="revolute">'
+    assert turning in TWO_LINKS.read_bytes()
+    text = TWO_LINKS.read_bytes().replace(turning, b'<joint name="elbow" type="prismatic">')
+    drop(page, "sliding.urdf", text)
+    page.get_by_role("button", name="Begin with this arm").click()
+    expect(page.locator("#header")).to_contain_text("first experiment")
+    page.locator("[data-view=lenses]").click()
+    lenses = page.locator(".lenses")
+    for joint, angle, torque in ((1, "rad", "N·m"), (2, "m", "N")):
+        lenses.get_by_role("button", name=f"Joint {joint}", exact=True).click()
+        for lens, units in (
+            ("Sliding mode", (f"e [{angle}]", f"de [{angle}/s]")),
+            ("Network", (f"W [{torque}]", f"torque [{torque}]")),
+            ("Chattering", (f"{torque}/√Hz",)),
+            ("Prediction", (f"Re [{angle}/s]",)),
+        ):
+            lenses.get_by_role("tab", name=lens).click()
+            for unit in units:
+                title = lenses.locator(".g-xtitle, .g-ytitle, .g-y2title").filter(visible=True)
+                expect(title.get_by_text(unit, exact=True)).to_be_visible()
+
+
 def test_what_the_doctor_refuses_is_told_with_its_lines_and_changes_nothing(
     opened: Page, dashboard: Dashboard, complaints: Complaints
 ) -> None:
