@@ -7,6 +7,7 @@ import {beginAnewForAnother} from './api/arm.js';
 import {mount as mountControls} from './experiment/panel.js';
 import {mountHeader} from './page/header.js';
 import {History} from './api/undo.js';
+import {Links} from './experiment/link.js';
 import {Logs} from './logs/logs.js';
 import {mountImport} from './experiment/import_experiment.js';
 import {keyHandler} from './screen/keys.js';
@@ -40,6 +41,7 @@ const history = new History(api);
 const preview = new Preview(api);
 const before = new ResponseBefore(api, preview);
 const tell = mountNotices(part('notices'));
+const links = new Links(api, history, tell);
 const presets = new Presets(api, history, tell);
 const arms = new Arms(api, history, tell);
 const logs = new Logs(api);
@@ -48,7 +50,9 @@ const pressed = keyHandler(api, history);
 const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics')};
 
 mountSkipLinks(part('skip'), part('workspace'));
-mountHeader(part('header'), api, history, presets, mountImport(api, history, tell, {arms, ownData}));
+mountHeader(part('header'), api, history, {
+  presets, links, chooseFile: mountImport(api, history, tell, {arms, ownData, links}),
+});
 mountBanner(part('banner'), api);
 mountControls(parts.tune, api, history, tell, preview, arms);
 mountScene(part('scene'), api, pressed);

@@ -24,6 +24,7 @@ from slidetune.robot.errors import (
 )
 from slidetune.robot.experiment.atomic_write import atomic_write
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.permalink import Linked, is_permalink, permalink, read_permalink
 from slidetune.robot.experiment.plain_yaml import LARGEST_TEXT
 from slidetune.robot.experiment.preset_name import (
     LONGEST_NAME,
@@ -241,18 +242,40 @@ def preset_store() -> PresetStore:
 
 
 def load_preset(name_or_path: str | os.PathLike[str]) -> Experiment:
-    """Return a shipped or a user's preset by name, or an experiment from a YAML file by path.
+    """Return a preset by name, an experiment from a YAML file by path, or that of a link.
 
     Args:
-        name_or_path: a name such as ``paper``; a text with a slash or a ``.yaml`` is a path.
+        name_or_path: a name such as ``paper``, shipped or the user's own; a text with a slash or a
+            ``.yaml`` is a path; an address with ``#x=`` is a link, see ``link_to``.
 
     Raises:
         UnknownPresetError: listing the known names.
         InvalidExperimentError: naming every refused field with its line.
     """
     text = os.fspath(name_or_path)
+    if isinstance(name_or_path, str) and is_permalink(text):
+        return read_link(text).experiment
     is_path = not isinstance(name_or_path, str) or re.search(r"[/\\]|\.ya?ml$", text)
     return read_preset(Path(text)) if is_path else preset_store().load(text)
+
+
+def link_to(experiment: Experiment) -> str:
+    """Return a text that stands for an experiment wherever this version of Slidetune runs.
+
+    Raises:
+        InvalidExperimentError: if it would be too long.
+    """
+    names = [path.stem for path in _files(SHIPPED_FOLDER)]
+    return permalink(experiment, [(name, _shipped(name)) for name in names])
+
+
+def read_link(link: str, despite: bool = False) -> Linked:
+    """Return what a link, or an address with one, stands for; see ``read_permalink``."""
+    return read_permalink(link, _shipped, despite)
+
+
+def _shipped(name: str) -> Experiment:
+    return PresetStore(SHIPPED_FOLDER, SHIPPED_FOLDER).load(name)
 
 
 def presets() -> list[PresetInfo]:

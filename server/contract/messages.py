@@ -164,6 +164,21 @@ class ExperimentAnswer(BaseModel):
     waiting_steps: int = Field(0, description=_WAITING)
 
 
+class LinkAnswer(BaseModel):
+    """A link to the live experiment."""
+
+    link: str = Field(description="What follows `#x=` in the address of a page.")
+
+
+class LinkRequest(BaseModel):
+    """A link to open."""
+
+    link: str = Field(description="The text of `GET /api/link`, or an address with it.")
+    despite: bool = Field(
+        False, description="Open it even where another version makes another experiment of it."
+    )
+
+
 class PresetSummary(BaseModel):
     """One preset in a list."""
 

@@ -10,7 +10,13 @@ from fastapi import APIRouter, Body, Query, Request, Response
 from slidetune.robot.errors import FieldError, InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
+from slidetune.robot.experiment.presets import link_to, read_link
+from slidetune.server.contract.messages import (
+    ErrorAnswer,
+    ExperimentAnswer,
+    LinkAnswer,
+    LinkRequest,
+)
 from slidetune.server.contract.openapi import OR_YAML, YAML
 from slidetune.server.contract.schema import SchemaAnswer
 from slidetune.server.guard.plain_json import NotJsonError, read_json
@@ -115,6 +121,20 @@ def experiment_router(app_state: AppState) -> APIRouter:
             document.replace(parse_experiment(body, content_type), author="http")
 
         await asyncio.to_thread(begin)
+        return present()
+
+    @router.get("/link", response_model=LinkAnswer, responses={422: {"model": ErrorAnswer}})
+    def link() -> dict[str, Any]:
+        """A link to the live document: a shipped preset and what differs from it."""
+        return {"link": link_to(document.experiment)}
+
+    @router.post(
+        "/link", response_model=ExperimentAnswer, responses={404: {"model": ErrorAnswer}, **REFUSED}
+    )
+    def open_link(wanted: LinkRequest) -> dict[str, Any]:
+        """Start the experiment of a link in the live session, at time 0."""
+        linked = read_link(wanted.link, wanted.despite)
+        document.replace(linked.experiment, linked.preset, "http", linked.baseline)
         return present()
 
     return router

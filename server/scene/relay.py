@@ -44,6 +44,8 @@ MAX_MESSAGE = 64 * 2**20
 LONGEST_PATH = 255
 # Ours: messages held for a browser that reads more slowly than Viser writes.
 MAX_QUEUE = 16
+# Ours: time for Viser to answer [s]: one that is gone refuses at once, a busy one is late.
+PATIENCE = 30.0
 # Ours: below the 5 s after which Viser's page gives an attempt up, so that it gets a reason [s].
 OPEN_TIMEOUT = 3.0
 # Ours: how long Viser may take to answer a close before it is cut off [s].
@@ -115,7 +117,7 @@ class SceneRelay:
             await JSONResponse(body, 404)(scope, receive, send)
             return
         # No proxy of the user's for loopback; no 30 ms for certificates that HTTP never reads.
-        async with httpx.AsyncClient(trust_env=False, verify=False) as client:
+        async with httpx.AsyncClient(trust_env=False, verify=False, timeout=PATIENCE) as client:
             try:
                 upstream = await client.send(self._upstream_request(client, scope), stream=True)
             except httpx.InvalidURL as invalid:

@@ -115,8 +115,20 @@ class Document:
                     self._session.reset_lane(name)
             return left_out
 
-    def replace(self, experiment: Experiment, preset: str = "", author: str = "") -> Change:
+    def replace(
+        self,
+        experiment: Experiment,
+        preset: str = "",
+        author: str = "",
+        baseline: Experiment | None = None,
+    ) -> Change:
         """Begin another experiment at time 0.
+
+        Args:
+            experiment: what begins.
+            preset: name of the preset that it comes from.
+            author: id of the client that asks.
+            baseline: that preset, where the experiment differs from it.
 
         Raises:
             InvalidExperimentError: if the arm can't follow its trajectory; nothing is changed.
@@ -126,7 +138,7 @@ class Document:
             self._ready(experiment)
             self._colors.assign(list(packed.gains))
             change = self._accept(packed, None, author, None)
-            self.baseline, self.preset = experiment, preset
+            self.baseline, self.preset = baseline or experiment, preset
             self._beginning += 1
             self._session.load(packed, change.revision)
             self._tell(change)

@@ -199,9 +199,7 @@ export class Api extends EventTarget {
   deletePreset(name) { return request('DELETE', presetAddress(name)); }
 
   /**
-   * Save the live experiment.
-   *
-   * @param {string} name
+   * @param {string} name to save the live experiment under
    * @param {{overwrite?: boolean}} [options]
    */
   async savePreset(name, {overwrite = false} = {}) {
@@ -220,6 +218,15 @@ export class Api extends EventTarget {
 
   /** @param {string|Document} document YAML text or a whole experiment */
   replaceExperiment(document) { return this.#make(request('PUT', '/api/experiment', document)); }
+
+  /** @returns {Promise<string>} what stands for the live experiment in an address */
+  async link() { return (await request('GET', '/api/link')).link; }
+
+  /**
+   * @param {string} link or an address with one
+   * @param {boolean} despite whether what another version makes of it will do
+   */
+  openLink(link, despite) { return this.#make(request('POST', '/api/link', {link, despite})); }
 
   /** @param {string} name of the arm whose first experiment is begun */
   beginArm(name) { return this.#make(request('POST', `/api/arms/${encodeURIComponent(name)}/begin`)); }

@@ -1,15 +1,16 @@
 // @ts-check
 /**
- * YAML in: picked, dropped on the page or pasted; arms and logs of a real arm as well. What is refused
+ * YAML in: picked, dropped on the page or pasted; links, arms and logs of a real arm as well. What is refused
  * changes nothing.
  */
 
 import {droppedFiles, mayBeArm} from '../arms/dropped.js';
 import {isRecording} from '../own_data/own_data.js';
-import {showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {isTyping} from '../screen/keys.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
+import {isLink} from './link.js';
+import {showRefusal} from './refusal.js';
 
 /** @typedef {import('../api/api.js').ApiError} ApiError */
 
@@ -21,16 +22,17 @@ const LOOKS_LIKE_ONE = /^\s*("?)(slidetune|title|lanes|robot|trajectory)\1\s*:/m
  * @param {import('../api/undo.js').History} history
  * @param {import('../dom/notices.js').Tell} tell
  * @param {{arms: import('../arms/arms.js').Arms,
- *   ownData: import('../own_data/own_data.js').OwnData}} others take what is no experiment
+ *   ownData: import('../own_data/own_data.js').OwnData, links: import('./link.js').Links}} others
+ *   take what is no experiment
  * @returns {() => void} opens the file picker
  */
-export function mountImport(api, history, tell, {arms, ownData}) {
+export function mountImport(api, history, tell, {arms, ownData, links}) {
   const take = async (/** @type {string} */ name, /** @type {string} */ text) => {
     try {
       await history.replace(`import of ${name}`, () => api.replaceExperiment(text));
       tellWithUndo(tell, history, `Imported ${name}.`);
     } catch (error) {
-      showRefusal(name, /** @type {ApiError} */ (error));
+      showRefusal('Not imported', name, /** @type {ApiError} */ (error));
     }
   };
   const takeFile = async (/** @type {File|undefined} */ file) => {
@@ -56,7 +58,8 @@ export function mountImport(api, history, tell, {arms, ownData}) {
   addEventListener('paste', (event) => {
     const text = event.clipboardData?.getData('text/plain') ?? '';
     if (isTyping(event.target) || document.querySelector('dialog[open]')) return;
-    if (LOOKS_LIKE_ONE.test(text)) take('the clipboard’s text', text);
+    if (isLink(text)) links.open(text);
+    else if (LOOKS_LIKE_ONE.test(text)) take('the clipboard’s text', text);
   });
   return () => {
     const picker = element('input', {
@@ -83,20 +86,4 @@ function mountDrop(take) {
     event.preventDefault();
     if (event.dataTransfer) take(event.dataTransfer);
   });
-}
-
-/**
- * @param {string} name
- * @param {ApiError} error
- */
-function showRefusal(name, {message, fields}) {
-  const list = element('ul', {class: 'refusals'});
-  for (const {path, message: text, line, allowed} of fields ?? []) {
-    const where = [line ? `line ${line}` : '', path].filter(Boolean).join(', ');
-    const hint = allowed && !text.includes(allowed) ? ` (allowed: ${allowed})` : '';
-    list.append(element('li', {}, element('code', {}, where), ` ${text}${hint}`));
-  }
-  showDialog('Not imported', element('div', {class: 'dialog-text'},
-    element('p', {}, `${name} was refused; the live experiment is as it was.`),
-    list.children.length ? list : element('p', {class: 'dialog-alert', role: 'alert'}, message)));
 }

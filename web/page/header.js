@@ -10,6 +10,12 @@ import {mountStatus} from './status.js';
 import {nextTheme, themeButton} from '../screen/theme.js';
 
 /**
+ * How experiments come and go.
+ * @typedef {{presets: import('../experiment/presets.js').Presets,
+ *   links: import('../experiment/link.js').Links, chooseFile: () => void}} Documents
+ */
+
+/**
  * @param {import('../dom/icons.js').IconName} name
  * @param {string} label
  * @param {string} title
@@ -26,17 +32,17 @@ function tool(name, label, title, run) {
  * @param {HTMLElement} place
  * @param {import('../api/api.js').Api} api
  * @param {import('../api/undo.js').History} history
- * @param {import('../experiment/presets.js').Presets} presets
- * @param {() => void} chooseFile
+ * @param {Documents} documents
  */
-export function mountHeader(place, api, history, presets, chooseFile) {
+export function mountHeader(place, api, history, {presets, links, chooseFile}) {
   const brand = element('h1', {class: 'brand'}, element('img', {
     src: '/static/icon.svg', alt: '', width: 20, height: 20,
   }), element('span', {}, 'Slidetune'));
   const documents = element('div', {class: 'tools wide-only', role: 'group', 'aria-label': 'Documents'},
     tool('save', 'Save', 'Save as a preset', () => presets.save()),
     tool('download', 'Export', 'Download the live experiment as YAML', () => presets.export()),
-    tool('upload', 'Import', 'Import a YAML experiment; dropping or pasting one works too', chooseFile));
+    tool('upload', 'Import', 'Import a YAML experiment; dropping or pasting one works too', chooseFile),
+    tool('link', 'Link', 'Copy a link to this experiment', () => links.share()));
   const status = element('div', {class: 'status', 'aria-label': 'Session'});
   mountStatus(status, api);
   const keys = element('button', {
@@ -46,7 +52,7 @@ export function mountHeader(place, api, history, presets, chooseFile) {
   const openLessons = () => { api.dispatchEvent(new CustomEvent('learn')); };
   const learn = tool('learn', 'Learn', 'Lessons (L)', openLessons);
   const openEdits = () => { api.dispatchEvent(new CustomEvent('edits')); };
-  const more = moreButton(presets, chooseFile, openLessons, openEdits);
+  const more = moreButton({presets, links, chooseFile}, openLessons, openEdits);
   const extras = element('div', {class: 'tools wide-only'}, themeButton(), keys);
   place.append(brand, presets.button, documents, historyTools(api, history),
     element('div', {class: 'tools wide-only'}, learn), more,
@@ -75,12 +81,11 @@ function historyTools(api, history) {
 }
 
 /**
- * @param {import('../experiment/presets.js').Presets} presets
- * @param {() => void} chooseFile
+ * @param {Documents} documents
  * @param {() => void} openLessons
  * @param {() => void} openEdits
  */
-function moreButton(presets, chooseFile, openLessons, openEdits) {
+function moreButton({presets, links, chooseFile}, openLessons, openEdits) {
   const button = element('button', {
     class: 'button icon-only narrow-only', type: 'button', 'aria-label': 'More',
     'aria-haspopup': 'menu',
@@ -88,6 +93,7 @@ function moreButton(presets, chooseFile, openLessons, openEdits) {
       {label: 'Save as preset…', icon: 'save', run: () => presets.save()},
       {label: 'Export YAML', icon: 'download', run: () => presets.export()},
       {label: 'Import…', icon: 'upload', run: chooseFile},
+      {label: 'Copy a link', icon: 'link', run: () => links.share()},
       {label: 'Lessons', icon: 'learn', run: openLessons},
       {label: 'Edits of this session', icon: 'clock', run: openEdits},
       'separator',

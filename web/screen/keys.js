@@ -25,7 +25,7 @@ const HELP = [
   ['← →, Shift ← →', 'Move the chosen cursor, a little or more'],
   ['Ctrl Z', 'Undo'],
   ['Ctrl Shift Z, Ctrl Y', 'Redo'],
-  ['Ctrl V', 'Import an experiment from the clipboard'],
+  ['Ctrl V', 'Import an experiment, or open a link, from the clipboard'],
   ['↑ ↓, Shift ↑ ↓', 'In a number box: one step, ten steps'],
   ['↑ ↓, ← →, Shift ← →', 'On a goal in the list: move its bound, its beginning, its end'],
   ['Esc', 'Discard what is typed; take a drag back; remove cursors; close'],

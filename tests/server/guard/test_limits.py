@@ -39,6 +39,7 @@ BODY_ROUTES = [
     ("PUT", "/api/experiment"),
     ("PUT", "/api/presets/too-large"),
     ("POST", "/api/presets/paper/load"),
+    ("POST", "/api/link"),
     ("POST", "/api/arms/pendulum/begin"),
     ("DELETE", "/api/arms/nothing"),
     ("PATCH", "/api/session"),

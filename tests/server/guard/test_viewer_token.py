@@ -42,6 +42,7 @@ EVERYTHING_THAT_READS = [
     "/api/arms",
     "/api/logs",
     "/api/history",
+    "/api/link",
     "/api/lessons",
     "/api/studies",
     "/api/studies/kinds",
