@@ -9,14 +9,8 @@ import numpy as np
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.experiment.simulation import Simulation
 from slidetune.robot.fields.quantity import bounds
-from slidetune.robot.margins.margin import (
-    at_rate,
-    instants,
-    is_stable,
-    period_map,
-    with_lane,
-    worst_instant,
-)
+from slidetune.robot.margins.instants import instants
+from slidetune.robot.margins.margin import at_rate, is_stable, period_map, with_lane, worst_instant
 
 _STEEPEST = 2.0**10
 """By how much a layer is divided at most in search of a narrower one (*ours*)."""

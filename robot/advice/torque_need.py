@@ -9,12 +9,14 @@ from slidetune.robot.environment.external_torque import external_torque
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import AD, CURRENT, QD, TAU, VD, WORK_ROWS, F, V
+from slidetune.robot.margins.instants import way_times
 from slidetune.robot.margins.margin import evaluate
 from slidetune.robot.motion.trajectory import reference
 
 Array = np.ndarray
 
 _INSTANTS = 60
+"""Evenly spaced instants of the horizon (*ours*)."""
 
 
 def start(packed: Packed, name: str) -> Array:
@@ -48,7 +50,9 @@ def required_torque(packed: Packed) -> Array:
     joints = packed.joints
     work, greatest = np.zeros((WORK_ROWS, joints)), np.zeros(joints)
     motion_at, torque_at = for_joints(reference, joints), for_joints(external_torque, joints)
-    for t in np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS):
+    even = np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS)
+    # By the way as well: a move may be short, and a disturbance has times of its own.
+    for t in np.concatenate([even, way_times(packed)]).tolist():
         motion_at(t, packed.trajectory, work)
         work[CURRENT + V] = work[VD]
         torque_at(t, 0.0, CURRENT, packed.environment, work)

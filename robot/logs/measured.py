@@ -11,7 +11,7 @@ from slidetune.robot.arm.arm import flange_positions
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.logs.shift import Shift, find_shift, motion_of
 from slidetune.robot.loop.metrics import Metrics, measure_lane, no_figures
-from slidetune.robot.loop.simulate import desired_motion
+from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidetune.robot.experiment.packed import Packed
-from slidetune.robot.loop.simulate import desired_motion
+from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
 

@@ -13,25 +13,19 @@ from slidetune.robot.arm.arm import PLACE_COLUMNS, flange_positions
 from slidetune.robot.environment.layout import LAG
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
-from slidetune.robot.fields.quantity import JOINTS
 from slidetune.robot.integrator.cutting import cutting_of_whole_run
 from slidetune.robot.integrator.horizon import STOPPED
 from slidetune.robot.integrator.implicit_step import MAX_VELOCITY
 from slidetune.robot.integrator.law_call import RAISED, checked
-from slidetune.robot.kernels.compiler import kernel
-from slidetune.robot.kernels.for_joints import for_joints
 from slidetune.robot.kernels.workspace import (
     CAPPED,
     CUT,
     LEFT,
     NODES,
-    QD,
     R_Q,
     R_V,
     RECORD,
     UNSOLVED,
-    VD,
-    WORK_ROWS,
     W,
 )
 from slidetune.robot.laws import law_of
@@ -49,7 +43,7 @@ from slidetune.robot.loop.metrics import Metrics, measure_lane
 from slidetune.robot.loop.record_memory import record_of
 from slidetune.robot.margins.layer import layer_of
 from slidetune.robot.margins.unsampled import fastest_growth
-from slidetune.robot.motion.trajectory import reference
+from slidetune.robot.motion.along import desired_motion
 
 Array = np.ndarray
 Tell = Callable[[float], None]
@@ -145,14 +139,6 @@ def stop_flag() -> Array:
     return np.zeros(1, np.int64)
 
 
-@kernel
-def _desired_motion(time, numbers, work, q_d, v_d):  # type: ignore[no-untyped-def]
-    for row in range(len(time)):
-        reference(time[row], numbers, work)
-        for j in range(JOINTS):
-            q_d[row, j], v_d[row, j] = work[QD, j], work[VD, j]
-
-
 class DesiredMotion(NamedTuple):
     """Where the arm should be at every row; the arrays are not to be changed.
 
@@ -167,14 +153,6 @@ class DesiredMotion(NamedTuple):
     q_d: Array
     v_d: Array
     flange: Array
-
-
-def desired_motion(trajectory: Array, time: Array, joints: int) -> tuple[Array, Array]:
-    """Return q_d [rad] and v_d [rad/s] of a packed trajectory at times in [s]. Shapes (m, n)."""
-    q_d, v_d = np.empty((len(time), joints)), np.empty((len(time), joints))
-    work = np.zeros((WORK_ROWS, joints))
-    for_joints(_desired_motion, joints)(time, trajectory, work, q_d, v_d)
-    return q_d, v_d
 
 
 @lru_cache(maxsize=4)

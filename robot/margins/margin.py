@@ -35,15 +35,14 @@ from slidetune.robot.kernels.workspace import (
     V,
 )
 from slidetune.robot.laws import law_of
+from slidetune.robot.margins.instants import instants
 from slidetune.robot.margins.period_map import MARGINAL, Around, PeriodMap, calm
-from slidetune.robot.motion.trajectory import QUINTIC, HoldTrajectory, reference
+from slidetune.robot.motion.trajectory import QUINTIC, reference
 
 Array = np.ndarray
 
 MARGIN_LIMIT = 2.0
 """An undelayed sampled loop with linear gains diverges above it (measured: 1.994 to 2.000)."""
-_POSES = 12
-"""Instants along the desired motion at which the loop is looked at (*ours*)."""
 _FACTORS = 2.0 ** np.arange(1, 31)
 """By how much reaching gains are multiplied or divided in search of the limit (*ours*)."""
 _MUCH = 10
@@ -205,12 +204,6 @@ def _outside(packed: Packed, name: str) -> Array | None:
     flat = {"k2": 0.0} if switches(packed, name, "implicit") else flat
     gains: Array = lane.model_copy(update=flat).pack(packed.joints)
     return gains
-
-
-def instants(packed: Packed) -> Array:
-    """Return the instants in [s] at which the loop is looked at: one where nothing moves."""
-    held = isinstance(packed.experiment.trajectory, HoldTrajectory)
-    return np.linspace(0.0, packed.experiment.simulation.horizon, 1 if held else _POSES)
 
 
 def period_map(packed: Packed, name: str, time: float) -> PeriodMap:

@@ -12,7 +12,7 @@ from slidetune.robot.arm.arm import flange_positions
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.kernels.workspace import QD, Q
 from slidetune.robot.loop.closed_loop import ClosedLoop
-from slidetune.robot.loop.simulate import desired_motion
+from slidetune.robot.motion.along import desired_motion
 from slidetune.server.live.lane_colors import LaneColors
 from slidetune.server.live.pull import Pull
 from slidetune.server.live.recorder import Moment

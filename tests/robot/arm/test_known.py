@@ -14,7 +14,8 @@ from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from slidetune.robot.loop.simulate import desired_motion, simulate
+from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.motion.along import desired_motion
 from tests.reference.solve import solve
 from tests.robot.arm.test_chain import described, mixed
 

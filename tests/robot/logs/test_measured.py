@@ -108,7 +108,7 @@ def test_jitter_of_stamps_makes_no_error(run: Run) -> None:
     time = np.sort(run.time + random.uniform(-1e-4, 1e-4, len(run.time)))
     time[0] = 0.0
     packed = pack(run.experiment)
-    from slidetune.robot.loop.simulate import desired_motion
+    from slidetune.robot.motion.along import desired_motion
 
     q_d, _ = desired_motion(packed.trajectory, time, 6)
     found = measured_lane(Recording("log.csv", time, q_d, True), packed, shift=0.0)

@@ -17,7 +17,7 @@ from slidetune.robot.errors import InvalidExperimentError, UnreachableError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.fields.quantity import JOINTS
-from slidetune.robot.loop.simulate import desired_motion
+from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.motion.circle import SAMPLES, follow_circle
 from slidetune.robot.motion.trajectory import CircleTrajectory
 

@@ -8,7 +8,7 @@ import pytest
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
-from slidetune.robot.loop.simulate import desired_motion
+from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.motion.recorded import MOST_NUMBERS
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.reference import STOP, motion_at, reference_of
