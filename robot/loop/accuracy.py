@@ -14,6 +14,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.simulation import MAX_STEPS, Simulation
 from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.fields.units import in_units_of
+from slidetune.robot.loop.decisions import APART, Doubt
 
 Array = np.ndarray
 
@@ -29,6 +30,9 @@ MATTERS = 3.0
 WILD = 2.0 * MAX_JOINT_SPEED
 """Velocity in [rad/s] from which on a sampled motion is so wild that an error in it may grow to
 many times what two runs differ by (*ours*): where it decides at one sample the sign of a torque."""
+RESERVE = 1.05
+"""By how much more than two runs differ a sampled run is said to be off (*ours*): its error falls
+with the first power of the step, so that half of all runs would be a hair worse than told."""
 SAFETY = 3.0
 """By how much finer than estimated the step is that a remark proposes (*ours*)."""
 
@@ -77,8 +81,8 @@ def second_run(experiment: Experiment) -> tuple[Experiment, int, float]:
         return _with(experiment, step=2.0 * simulation.step), 2, share
     substeps = simulation.plant_substeps
     if substeps % 2 == 0:
-        return _with(experiment, plant_substeps=substeps // 2), 1, 1.0
-    return _with(experiment, plant_substeps=2 * substeps), 1, 2.0
+        return _with(experiment, plant_substeps=substeps // 2), 1, RESERVE
+    return _with(experiment, plant_substeps=2 * substeps), 1, 2.0 * RESERVE
 
 
 def _with(experiment: Experiment, **changes: Any) -> Experiment:
@@ -127,6 +131,8 @@ def judge(
     damped: float = 0.0,
     fastest: float = 0.0,
     by_steps: bool = False,
+    apart: float = 0.0,
+    doubt: Doubt | None = None,
 ) -> Accuracy:
     """Return the accuracy of a lane, with words where it is not good.
 
@@ -139,6 +145,8 @@ def judge(
         damped: growth in [1/s] that the steps may hide; see ``damped_growth``.
         fastest: greatest velocity of any joint in [rad/s].
         by_steps: whether an observer acts over one step, behind drives with a lag.
+        apart: by what part of itself S differs between two sampled runs.
+        doubt: the first decision by a sign that may be the other way round.
     """
     texts, patch = [], None
     sampled = experiment.simulation.mode == "sampled"
@@ -178,10 +186,24 @@ def judge(
             f"{MAX_JOINT_SPEED:g}: in a motion like this small errors grow, and the true error can "
             "be many times the estimate."
         )
+    if apart > APART:
+        texts.append(
+            "The loop swings by itself: runs of two step sizes are out of step, and S differs by "
+            f"up to {100.0 * apart:.0f} % of itself. The true error can be many times the "
+            "estimate; how far and how fast it swings is surer than where it is at an instant."
+        )
+    elif doubt is not None:
+        time = doubt.row * experiment.simulation.row_period
+        texts.append(
+            f"At {time:.4g} s the law decides by a sign at joint {doubt.joint} that is within the "
+            "error of S: the exact motion may go the other way from there, and the true error can "
+            "be many times the estimate. More steps of the arm per control period show it."
+        )
     slides = arm_named(experiment.robot.model).slides
     texts = [in_units_of(text, slides) for text in texts]
     known = None if error is None else float(error)
-    at_least = error is not None and (wild or by_steps or rough or damped > 0.0)
+    doubtful = wild or by_steps or rough or damped > 0.0 or apart > APART or doubt is not None
+    at_least = error is not None and doubtful
     return Accuracy(known, unconverged, capped, at_least, " ".join(texts), patch)
 
 

@@ -23,6 +23,7 @@ from slidetune.robot.kernels.workspace import (
     LEFT,
     NODES,
     R_Q,
+    R_S,
     R_V,
     RECORD,
     UNSOLVED,
@@ -37,6 +38,7 @@ from slidetune.robot.loop.accuracy import (
     judge,
     second_run,
 )
+from slidetune.robot.loop.decisions import first_doubt, swings_apart, turning_points
 from slidetune.robot.loop.horizon import bind_rows, stepped_rows
 from slidetune.robot.loop.lane import Freeze, Lane
 from slidetune.robot.loop.metrics import Metrics, measure_lane
@@ -199,7 +201,7 @@ def _accuracy(
 ) -> Accuracy:
     """Judge a lane that has run, by a run of ``other`` where there is one."""
     unconverged, left, capped = lane.work[[UNSOLVED, LEFT, CAPPED], 0]
-    error, damped, fastest = None, 0.0, 0.0
+    error, damped, fastest, apart, doubt = None, 0.0, 0.0, 0.0, None
     if other is not None:
         damped = _damped_growth(lane, packed)
         fastest = float(np.nanmax(np.abs(lane.record[:, R_V])))
@@ -208,6 +210,11 @@ def _accuracy(
         rows = lane.record[::stride, R_Q]
         common = min(len(rows), len(second.record))
         error = share * difference(rows[:common], second.record[:common, R_Q])
+        if packed.experiment.simulation.mode == "sampled":
+            S, others = lane.record[:common, R_S], second.record[:common, R_S]
+            apart = swings_apart(S, others)
+            points = turning_points(packed.experiment.lanes[lane.name])
+            doubt = None if points is None else first_doubt(points, S, others, share)
         if (lane.freeze is None) != (second.freeze is None):
             # One left its bounds and the other did not: by then neither is to be trusted.
             error = max(error, packed.experiment.simulation.row_period * MAX_VELOCITY)
@@ -215,7 +222,7 @@ def _accuracy(
         error = float(error + left * packed.experiment.simulation.horizon)
     counts = int(unconverged), float(left), int(capped)
     by_steps = other is not None and _observes_by_steps(lane, packed)
-    return judge(packed.experiment, error, *counts, damped, fastest, by_steps)
+    return judge(packed.experiment, error, *counts, damped, fastest, by_steps, apart, doubt)
 
 
 def _observes_by_steps(lane: Lane, packed: Packed) -> bool:

@@ -50,7 +50,9 @@ def test_gamma_is_that_of_the_worst_pose_of_the_whole_motion(name: str, horizon:
     data = case.model.createData()
     inertias = [pin.crba(case.model, data, q) for q in dense(case, 4001)]
     whole = [np.triu(M) + np.triu(M, 1).T for M in inertias]
-    worst = max(float(np.abs(np.linalg.eigvals(1e-3 * 0.1 * np.linalg.inv(M))).max()) for M in whole)
+    worst = max(
+        float(np.abs(np.linalg.eigvals(1e-3 * 0.1 * np.linalg.inv(M))).max()) for M in whole
+    )
     assert worst_margin(case, "SMC") == pytest.approx(worst, rel=1e-3)
 
 
