@@ -64,16 +64,29 @@ def tune(
         typer.Option(
             metavar="FILE",
             help="YAML that says what is searched: gains with their ranges, sampler, trials, "
-            "draws, judged_by, seed. Options given here count more.",
+            "draws, judged_by, quiet, seed. Options given here count more.",
         ),
     ] = "",
     trials: Annotated[int | None, typer.Option(min=1, help="Sets of gains that are tried.")] = None,
-    sampler: Annotated[str | None, typer.Option(help="tpe, cmaes, nsga2 or sobol.")] = None,
+    sampler: Annotated[str | None, typer.Option(help="cmaes, tpe, nsga2 or sobol.")] = None,
     draws: Annotated[
-        int | None, typer.Option(min=0, help="Draws of what is uncertain that judge each set.")
+        int | None,
+        typer.Option(
+            min=0,
+            help="Draws of what is uncertain that judge each set; 0 for the experiment as it is. "
+            "By default 50 where anything is uncertain.",
+        ),
     ] = None,
     judged_by: Annotated[str | None, typer.Option(help="Draw that counts: worst or p95.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="The same one, the same trials.")] = None,
+    quiet: Annotated[
+        bool | None,
+        typer.Option(
+            "--quiet/--any-chattering",
+            help="Whether gains that chatter more than the present ones, at the same draw, are "
+            "never the best; by default they are not.",
+        ),
+    ] = None,
     workers: WorkersOption = 0,
     scheduler: SchedulerOption = "",
     out: Annotated[
@@ -110,6 +123,7 @@ def tune(
         "draws": draws,
         "judged_by": judged_by,
         "seed": seed,
+        "quiet": quiet,
     }
     wanted = wanted_tuning(experiment, study, given)
     check_outputs(json, out)

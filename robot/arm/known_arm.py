@@ -7,6 +7,7 @@ import json
 import re
 import unicodedata
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ class KnownArm:
         """Names of its joints, from base to tip."""
         return tuple(self.model.names)[1:]
 
-    @property
+    @cached_property
     def slides(self) -> tuple[bool, ...]:
         """Which joints slide: their units are m and N in the place of rad and N·m."""
         found = (turned_axis(self.model, joint) for joint in range(1, self.joints + 1))

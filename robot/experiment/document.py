@@ -64,11 +64,23 @@ def _arm_of(document: Any) -> KnownArm:
     """Return the arm that a document names; the shipped one where that will be refused."""
     robot = document.get("robot") if isinstance(document, Mapping) else None
     name = robot.get("model") if isinstance(robot, Mapping) else None
-    try:
-        arm = find_arm(name) if isinstance(name, str) else None
-    except ValueError:
-        arm = None  # a kept arm that is damaged: the field says so
+    arm = _known(name) if isinstance(name, str) else None
     return arm or arm_named(SHIPPED)
+
+
+def _known(name: str) -> KnownArm | None:
+    try:
+        return find_arm(name)
+    except ValueError:
+        return None  # a kept arm that is damaged: the field says so
+
+
+def _may_change_the_arm(patch: Any) -> bool:
+    """Tell whether a merge patch may be about another arm, or is none at all."""
+    if not isinstance(patch, Mapping):
+        return True
+    robot = patch.get("robot", {})
+    return not isinstance(robot, Mapping) or "model" in robot
 
 
 def _posed(document: Mapping[str, Any], arm: KnownArm) -> Mapping[str, Any]:
@@ -129,7 +141,10 @@ class Experiment(Section):
         Raises:
             InvalidExperimentError: naming every refused field.
         """
-        arm = _arm_of(document)
+        return cls._validated(document, _arm_of(document))
+
+    @classmethod
+    def _validated(cls, document: Mapping[str, Any], arm: KnownArm) -> Experiment:
         try:
             return cls.model_validate(_posed(document, arm), context={"joints": arm.joints})
         except ValidationError as error:
@@ -176,4 +191,11 @@ class Experiment(Section):
         for name, lane in self.lanes.items():
             if law_of(lane) is not LAWS[lane.law]:
                 raise LawChangedError(name, lane.law)
-        return Experiment.from_document(merge_patch(self.document(), patch))
+        if _may_change_the_arm(patch) or (arm := _known(self.robot.model)) is None:
+            return Experiment.from_document(merge_patch(self.document(), patch))
+        # No section looks at another, but for the number of joints: those that the patch doesn't
+        # name are valid as they are.
+        names = type(self).model_fields.keys()
+        changed = self.model_dump(mode="json", include={name for name in names if name in patch})
+        rest = {name: getattr(self, name) for name in names if name not in patch}
+        return Experiment._validated({**rest, **merge_patch(changed, patch)}, arm)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import log
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,18 @@ class Dimension:
     def begin(self) -> float:
         """The present value, held within the range: where a search begins."""
         return min(max(self.present, self.low), self.high)
+
+    def share(self, value: float) -> float:
+        """Return where a value within the range lies, 0 at its low end, 1 at its high end."""
+        if self.logarithmic:
+            return log(value / self.low) / log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def at(self, share: float) -> float:
+        """Return the value that lies there, 0 at the low end, 1 at the high end."""
+        if self.logarithmic:
+            return float(self.low * (self.high / self.low) ** share)
+        return self.low + (self.high - self.low) * share
 
     def rounded(self, value: float) -> float:
         """Return a value of four digits within the range; the present one stays as it is."""

@@ -20,7 +20,7 @@ from slidetune.robot.study.draws import placed
 from slidetune.robot.study.robustness import Draw, robustness, worst_case
 from slidetune.robot.study.sweep import Axis, AxisRange, Point, combination, sweep
 from slidetune.robot.study.tune import Trial, tune
-from slidetune.robot.study.tuning import MOST_DRAWS, MOST_TRIALS, Tuning
+from slidetune.robot.study.tuning import MOST_DRAWS, MOST_TRIALS, Tuning, told
 
 Kind = Literal["tune", "robustness", "worst", "sweep"]
 Entry = Trial | Draw | Point
@@ -109,11 +109,12 @@ class Study:
         """
         model = KINDS[kind]
         first = {"lane": next(iter(experiment.lanes))}
+        whole = told(experiment, wanted) if kind == "tune" else {**first, **wanted}
         try:
-            told: Any = model.model_validate({**first, **wanted})
+            valid: Any = model.model_validate(whole)
         except ValidationError as error:
             raise InvalidExperimentError(field_errors(error, model)) from error
-        return cls(kind, experiment, told)
+        return cls(kind, experiment, valid)
 
     @property
     def lane(self) -> str:

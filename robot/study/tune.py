@@ -1,7 +1,8 @@
-"""Search for gains: Optuna asks, this tells, an executor runs.
+"""Search for gains: something chooses them, an executor runs them, this judges.
 
-Trials are asked for in batches of a fixed size and told in their order, so that a seed gives the
-same trials on one thread, on two, or on a cluster.
+The present gains come first, alone: all others are compared with them. Those are chosen in batches
+of a fixed size and told in their order, so that a seed gives the same trials on one thread, on two,
+or on a cluster.
 """
 
 from __future__ import annotations
@@ -12,20 +13,30 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
-import optuna
-from optuna.distributions import BaseDistribution, FloatDistribution
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.response import only_lane
-from slidetune.robot.study.judgement import is_beaten, judged, summary
-from slidetune.robot.study.outcome import FAILED, NOMINAL, Outcome, outcomes
+from slidetune.robot.study.judgement import (
+    ENDED,
+    LOUDER,
+    Present,
+    is_beaten,
+    judged,
+    looks,
+    missed,
+    summary,
+    weighed,
+)
+from slidetune.robot.study.outcome import NOMINAL, Outcome, outcomes
 from slidetune.robot.study.race import draws_a_task, race
-from slidetune.robot.study.samplers import BATCH, sampler
+from slidetune.robot.study.samplers import BATCH, chooser
 from slidetune.robot.study.search_space import Dimension, patch_of, search_space
 from slidetune.robot.study.tuning import Tuning, check_tuning
 
 FAR = 1e12
 """Ratio that counts for a goal which can't be told, times the run's cost (*ours*)."""
+QUIET = "/chattering"
+"""Name that the bound on chattering has beside the goals, none of which can be called so."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +47,13 @@ class Trial:
         number: which one, from 0; the first is the present one.
         values: what was searched, by name of the dimension.
         patch: the merge patch that makes it so.
-        outcome: that of the draw which counts.
+        outcome: that of the draw which counts; its cost is what ``weighed`` tells.
         draws: how many draws it met, the share that diverged and that which kept the hard goals.
         beaten: whether it was given up before it met all draws.
+        louder: whether it chatters more than it may at the draw which counts.
+        hardest: of the present gains all draws, those that cost most first; of a trial that was
+            given up those that cost as much as the best. The next trials meet them first.
+        present: of the present gains, which are the first trial: how they do at each draw.
     """
 
     number: int
@@ -47,6 +62,9 @@ class Trial:
     outcome: Outcome
     draws: dict[str, Any]
     beaten: bool = False
+    louder: bool = False
+    hardest: list[int] = field(default_factory=list, repr=False)
+    present: list[Present] = field(default_factory=list, repr=False)
 
     def document(self) -> dict[str, Any]:
         """Return it as plain JSON values."""
@@ -85,11 +103,13 @@ def best_of(trials: Sequence[Trial]) -> Trial | None:
 def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
     """Return the trials that no other beats in every one of some goals, all hard ones kept.
 
+    None of them chatters more than it may.
+
     Args:
         trials: those to choose from.
         goals: names of the goals whose ratios are compared.
     """
-    able = [trial for trial in trials if trial.outcome.kept and not trial.beaten]
+    able = [one for one in trials if one.outcome.kept and not (one.beaten or one.louder)]
     columns = [[trial.outcome.ratios[name] for trial in able] for name in goals]
     table = np.array(columns, dtype=float).reshape(len(goals), len(able))  # None becomes NaN
     # Whoever beats another comes before it in this order: the first that is left is unbeaten.
@@ -105,7 +125,7 @@ def pareto_front(trials: Sequence[Trial], goals: Sequence[str]) -> list[Trial]:
 
 
 class _Search:
-    """Optuna's study, and what has been told to it."""
+    """What chooses, what was found, and which draws come first."""
 
     def __init__(
         self, experiment: Experiment, tuning: Tuning, space: list[Dimension], executor: Executor
@@ -115,53 +135,62 @@ class _Search:
         goals = experiment.goals
         self._soft = [name for name, goal in goals.items() if goal.priority == "soft"]
         self._several = tuning.sampler == "nsga2"
-        self._draws = tuple(range(tuning.draws)) or (NOMINAL,)
+        # An even cover is to tell of all trials, not of the best.
+        self._raced = not self._several and tuning.sampler != "sobol"
+        self._order = list(range(tuning.draws)) or [NOMINAL]
+        self._present = dict.fromkeys(self._order, Present())
         self._size = draws_a_task(experiment)
-        self._study = optuna.create_study(
-            directions=["minimize"] * (len(self._soft) if self._several else 1),
-            sampler=sampler(tuning.sampler, tuning.seed),
-        )
-        self._study.enqueue_trial({one.name: one.begin for one in space})
-        self._range: dict[str, BaseDistribution] = {
-            one.name: FloatDistribution(one.low, one.high, log=one.logarithmic) for one in space
-        }
+        count = len(self._soft) if self._several else 1
+        self._chooser = chooser(tuning.sampler, tuning.seed, space, count)
 
     def trials(self, known: Sequence[Trial]) -> Iterator[Trial]:
-        """Yield trial after trial, batch by batch."""
-        stored = {trial.number: trial for trial in known}
-        for first in range(0, self._tuning.trials, BATCH):
-            count = min(BATCH, self._tuning.trials - first)
-            asked = [self._study.ask(self._range) for _ in range(count)]
+        """Yield trial after trial, batch by batch; the first batch is the lane as it is."""
+        stored, total = {trial.number: trial for trial in known}, self._tuning.trials
+        for first in (0, *range(1, total, BATCH)):
+            count = min(BATCH, total - first) if first else 1
+            asked = self._chooser.ask(count)
+            # The lane is as it is even where that lies outside of the ranges.
             values = [
-                {one.name: one.rounded(trial.params[one.name]) for one in self._space}
-                for trial in asked
+                {
+                    one.name: one.rounded(each[one.name]) if first else one.present
+                    for one in self._space
+                }
+                for each in asked
             ]
-            if not first:  # the lane as it is, even where that lies outside of the ranges
-                values[0] = {one.name: one.present for one in self._space}
             batch = self._batch(first, values, stored)
-            for trial, made in zip(asked, batch, strict=True):
-                self._tell(trial, made)
+            told = [self._told(made.outcome) for made in batch]
+            self._chooser.tell([costs for costs, _ in told], [excess for _, excess in told])
             for made in batch:
-                if not made.beaten:
-                    self._best = min(self._best, made.outcome.cost)
+                self._learn(made)
                 if made.number not in stored:
                     yield made
+
+    def _learn(self, made: Trial) -> None:
+        """Take what the next batch is judged by from a trial."""
+        if not made.beaten:
+            self._best = min(self._best, made.outcome.cost)
+        hardest = dict.fromkeys(made.hardest)
+        self._order = [*hardest, *(index for index in self._order if index not in hardest)]
+        if made.present:
+            self._present = dict(zip(sorted(self._order), made.present, strict=True))
 
     def _batch(
         self, first: int, values: Sequence[dict[str, float]], stored: dict[int, Trial]
     ) -> list[Trial]:
         """Make the trials of a batch."""
         numbers = [first + place for place in range(len(values)) if first + place not in stored]
+        lane = self._tuning.lane
         patches = {
-            number: patch_of(self._tuning.lane, self._space, values[number - first])
-            for number in numbers
+            number: patch_of(lane, self._space, values[number - first]) for number in numbers
         }
 
         def submit(number: int, draws: Sequence[int]) -> Future[list[list[Outcome]]]:
-            variant, lane = [patches[number]], self._tuning.lane
+            variant = [patches[number]]
             return self._executor.submit(outcomes, self._experiment, lane, variant, draws)
 
-        met = race(numbers, self._draws, self._size, submit, self._is_beaten)
+        count, order = len(self._order), self._order
+        asked = looks(count, self._tuning.judged_by) if self._raced else [count]
+        met = race(numbers, order, asked, self._size, submit, self._is_beaten)
         made = {
             number: self._trial(number, values[number - first], patches[number], met[number])
             for number in numbers
@@ -169,35 +198,54 @@ class _Search:
         places = range(first, first + len(values))
         return [made[number] if number in made else stored[number] for number in places]
 
+    def _weighed(self, met: Sequence[Outcome]) -> dict[int, Outcome]:
+        """Return outcomes by their draws, with the cost that counts."""
+        goals = self._experiment.goals
+        return {
+            index: weighed(one, goals, self._present[index])
+            for index, one in zip(self._order, met, strict=False)
+        }
+
     def _is_beaten(self, met: Sequence[Outcome]) -> bool:
-        costs, count = [one.cost for one in met], len(self._draws)
-        # An even cover is to tell of all trials, not of the best.
-        raced = not self._several and self._tuning.sampler != "sobol"
-        return raced and is_beaten(costs, count, self._tuning.judged_by, self._best)
+        costs = [one.cost for one in self._weighed(met).values()]
+        return self._raced and is_beaten(
+            costs, len(self._order), self._tuning.judged_by, self._best
+        )
 
     def _trial(
         self, number: int, values: dict[str, float], patch: dict[str, Any], met: list[Outcome]
     ) -> Trial:
-        count = len(self._draws)
-        return Trial(
-            number=number,
-            values=values,
-            patch=patch,
-            outcome=judged(met, count, self._tuning.judged_by),
-            draws=summary(met),
-            beaten=len(met) < count,
+        count, by_draw = len(self._order), self._weighed(met)
+        outcome, beaten = (
+            judged(list(by_draw.values()), count, self._tuning.judged_by),
+            len(met) < count,
         )
+        hardest, present = list[int](), list[Present]()
+        if number == 0:
+            hardest = sorted(by_draw, key=lambda index: (-by_draw[index].cost, index))
+            present = [self._kept(by_draw[index]) for index in sorted(by_draw)]
+        elif beaten:
+            hardest = [index for index, one in by_draw.items() if one.cost >= self._best]
+        louder = LOUDER <= outcome.cost < ENDED
+        return Trial(number, values, patch, outcome, summary(met), beaten, louder, hardest, present)
 
-    def _tell(self, trial: optuna.Trial, made: Trial) -> None:
-        outcome = made.outcome
+    def _kept(self, outcome: Outcome) -> Present:
+        """Return what no trial may do worse than the present gains at a draw."""
+        if outcome.cost >= ENDED:
+            return Present()
+        quiet = outcome.figures["chattering"] if self._tuning.quiet else None
+        return Present(missed(outcome, self._experiment.goals, "hard"), quiet)
+
+    def _told(self, outcome: Outcome) -> tuple[list[float], dict[str, float]]:
+        """Return what is made small, and what must not be above 0."""
         if not self._several:
-            self._study.tell(trial, outcome.cost)
-            return
-        failed, worst = outcome.cost >= FAILED, FAR * outcome.cost
+            return [outcome.cost], {}
+        failed, worst = outcome.cost >= ENDED, FAR * outcome.cost
         ratios = {
             name: worst if failed or ratio is None else ratio
             for name, ratio in outcome.ratios.items()
         }
-        for name in ratios.keys() - set(self._soft):
-            trial.set_constraint(name, ratios[name] - 1.0)
-        self._study.tell(trial, [ratios[name] for name in self._soft])
+        excess = {name: ratios[name] - 1.0 for name in ratios.keys() - set(self._soft)}
+        if self._tuning.quiet:
+            excess[QUIET] = max(outcome.cost - LOUDER, 0.0)
+        return [ratios[name] for name in self._soft], excess

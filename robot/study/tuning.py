@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -15,6 +16,8 @@ Sampler = Literal["tpe", "cmaes", "nsga2", "sobol"]
 
 MOST_TRIALS, MOST_DRAWS = 20_000, 2_000
 MOST_GAINS = 24
+USUAL_DRAWS = 50
+"""Draws where something is uncertain and nobody says how many (*ours*)."""
 
 
 class GainRange(Section):
@@ -61,12 +64,19 @@ class Tuning(Section):
         description="Gains by name that are searched, and their ranges; where there are none, "
         "every gain that acts, from a tenth of its value to ten times.",
     )
+    quiet: bool = field(
+        True,
+        title="No more chattering than now",
+        meaning="Gains that chatter more than the present ones, at the same draw of what is "
+        "uncertain, are never the best. Without it, and without a goal that bounds chattering, "
+        "accuracy is bought with it.",
+    )
     sampler: Sampler = field(
-        "tpe",
+        "cmaes",
         title="Sampler",
-        meaning="How the next gains are chosen: tpe (Parzen estimators), cmaes (CMA-ES), nsga2, "
-        "which looks for the best compromises between several soft goals, or sobol, which covers "
-        "the ranges evenly to tell how much each gain counts.",
+        meaning="How the next gains are chosen: cmaes (CMA-ES, around the present ones), tpe "
+        "(Parzen estimators), nsga2, which looks for the best compromises between several soft "
+        "goals, or sobol, which covers the ranges evenly to tell how much each gain counts.",
     )
     trials: Integer = field(
         200,
@@ -82,8 +92,8 @@ class Tuning(Section):
         low=0,
         high=MOST_DRAWS,
         step=10,
-        meaning="How many draws of what is uncertain each set is judged by; 0 for the experiment "
-        "as it is.",
+        meaning="How many draws of what is uncertain each set is judged by, 0 for the experiment "
+        "as it is. Where it is not said: 50 if anything is uncertain.",
     )
     judged_by: Literal["worst", "p95"] = field(
         "p95",
@@ -98,6 +108,12 @@ class Tuning(Section):
         step=1,
         meaning="The same seed gives the same trials, on however many cores.",
     )
+
+
+def told(experiment: Experiment, wanted: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a search is told, with its lane and draws where they are not."""
+    draws = USUAL_DRAWS if experiment.uncertainty.uncertain else 0
+    return {"lane": next(iter(experiment.lanes)), "draws": draws, **wanted}
 
 
 def check_tuning(experiment: Experiment, tuning: Tuning) -> None:

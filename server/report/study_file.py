@@ -15,7 +15,7 @@ from slidetune.robot.experiment.plain_yaml import PlainDocument, read_plain_yaml
 from slidetune.robot.fields.refusal import field_errors
 from slidetune.robot.study.fit import Fitting
 from slidetune.robot.study.sweep import Axis, axis
-from slidetune.robot.study.tuning import Tuning
+from slidetune.robot.study.tuning import Tuning, told
 
 MOST_AXES = 2
 """More than two fields make no picture (*ours*)."""
@@ -25,7 +25,7 @@ def wanted_tuning(experiment: Experiment, file: str, given: Mapping[str, Any]) -
     """Return what a search is told.
 
     Args:
-        experiment: whose first lane it is where none is named.
+        experiment: whose first lane it is where none is named, and whose uncertainty is drawn from.
         file: a YAML file with the fields of ``Tuning``, or an empty text.
         given: those of the command line; ``None`` for what is not given.
 
@@ -35,9 +35,8 @@ def wanted_tuning(experiment: Experiment, file: str, given: Mapping[str, Any]) -
     """
     read = read_plain_yaml(Path(file).read_bytes()) if file else PlainDocument({}, {})
     options = {name: value for name, value in given.items() if value is not None}
-    first = {"lane": next(iter(experiment.lanes))}
     try:
-        return Tuning.model_validate({**first, **read.values, **options})
+        return Tuning.model_validate(told(experiment, {**read.values, **options}))
     except ValidationError as error:
         refused = [
             replace(one, line=None if one.path in options else read.line(one.path))

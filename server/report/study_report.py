@@ -15,6 +15,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.verdict import said
+from slidetune.robot.study.judgement import MEANS
 from slidetune.robot.study.results import robustness_result, tuning_result, worst_result
 from slidetune.robot.study.robustness import QUANTILES, Draw
 from slidetune.robot.study.sweep import Axis, Point
@@ -122,7 +123,8 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
         if tuning["draws"]
         else "judged by the experiment as it is"
     )
-    console.print(Text(f"{tuning['lane']}: {len(document['trials'])} trials, {judged}"))
+    quiet = ", no more chattering than now" if tuning["quiet"] else ""
+    console.print(Text(f"{tuning['lane']}: {len(document['trials'])} trials, {judged}{quiet}"))
     goals = _table("goal", "", "before", "after")
     for name, goal in experiment.goals.items():
         ratios = (one["outcome"]["ratios"][name] for one in (present, best))
@@ -140,8 +142,27 @@ def print_tuning(experiment: Experiment, document: Document, console: Console) -
     for name, value in best["values"].items():
         _row(gains, name, _number(present["values"][name]), _number(value))
     console.print(gains)
+    if tuning["draws"]:
+        _print_draws(present["draws"], best["draws"], slides, console)
     if not best["outcome"]["kept"]:
-        console.print(Text("No set of gains keeps every hard goal.", style="yellow"))
+        text = "No set of gains keeps every hard goal."
+        if tuning["draws"]:
+            text += (
+                " That takes a bound with room for the draws, a goal that is soft, or gains over "
+                "wider ranges."
+            )
+        console.print(Text(text, style="yellow"))
+
+
+def _print_draws(
+    present: Document, best: Document, slides: tuple[bool, ...], console: Console
+) -> None:
+    table = _table("over all draws", "before", "after")
+    for name in MEANS:
+        shown = (figure_text(FIGURES[name], one["means"][name]) for one in (present, best))
+        _row(table, f"{heading(FIGURES[name], slides)}, mean", *shown)
+    _row(table, "keep the hard goals", *(f"{one['kept']:.0%}" for one in (present, best)))
+    console.print(table)
 
 
 def print_robustness(experiment: Experiment, document: Document, console: Console) -> None:

@@ -69,7 +69,8 @@ def wanted(experiment: Experiment, trials: int) -> Tuning:
     """Return what both searches are told."""
     whole = search_space(experiment, Tuning(lane=LANE))
     gains = {one.name: {"low": one.low, "high": one.high} for one in whole if one.name in GAINS}
-    return Tuning.model_validate({"lane": LANE, "gains": gains, "trials": trials, "seed": 1})
+    told = {"lane": LANE, "gains": gains, "sampler": "tpe", "trials": trials, "quiet": False}
+    return Tuning.model_validate(told)
 
 
 def by_tune(experiment: Experiment, trials: int) -> Found:
@@ -99,9 +100,10 @@ def by_hand(experiment: Experiment, trials: int, ask: Ask) -> Found:
     study = optuna.create_study(sampler=sampler(tuning.sampler, tuning.seed))
     study.enqueue_trial({one.name: one.begin for one in space})
     found, errors, seconds = list[dict[str, float]](), list[float](), 0.0
-    for first in range(0, trials, BATCH):
+    for first in (0, *range(1, trials, BATCH)):  # the present gains alone, as ``tune`` has it
         begin = process_time()
-        asked = [study.ask(ranges) for _ in range(min(BATCH, trials - first))]
+        count = min(BATCH, trials - first) if first else 1
+        asked = [study.ask(ranges) for _ in range(count)]
         batch = [
             {one.name: one.rounded(trial.params[one.name]) for one in space} for trial in asked
         ]

@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
@@ -13,6 +14,7 @@ from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experim
 from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.loop.verdict import judge_goals
+from slidetune.robot.study.draws import drawn
 from tests.server.test_cli import slidetune, strict
 
 LANE = "RBFNN-NFTSM"
@@ -32,7 +34,7 @@ def goal(tmp_path: Path) -> Experiment:
 
 
 def test_tune_writes_gains_that_do_what_it_says(goal: Experiment, tmp_path: Path) -> None:
-    study = "trials: 24\ngains:\n  nu: {low: 0.1, high: 30}\n  k1: {low: 20, high: 900}\n"
+    study = "trials: 24\ndraws: 0\ngains:\n  nu: {low: 0.1, high: 30}\n  k1: {low: 20, high: 900}\n"
     (tmp_path / "study.yaml").write_text(study)
     arguments = ("tune", "goal.yaml", "--study", "study.yaml", "--out", "tuned.yaml")
     one = slidetune(*arguments, "--json", "-", "--workers", "1", folder=tmp_path)
@@ -41,7 +43,9 @@ def test_tune_writes_gains_that_do_what_it_says(goal: Experiment, tmp_path: Path
     best = document["best"]
     assert document["tuning"]["lane"] == LANE
     assert len(document["trials"]) == 24
-    assert best["outcome"]["score"] <= document["present"]["outcome"]["score"]
+    assert best["outcome"]["cost"] < document["present"]["outcome"]["cost"]
+    chattering = [document[one]["outcome"]["figures"]["chattering"] for one in ("present", "best")]
+    assert chattering[1] <= chattering[0]
     tuned = experiment_from_yaml((tmp_path / "tuned.yaml").read_bytes())
     run = simulate(tuned, estimate=False).lanes[LANE]
     assert judge_goals(tuned.goals, run, run.metrics).score == pytest.approx(
@@ -52,6 +56,23 @@ def test_tune_writes_gains_that_do_what_it_says(goal: Experiment, tmp_path: Path
     printed = slidetune(*arguments, folder=tmp_path)
     assert "near, always: maximum error ≤ 0.01 rad" in printed.stdout
     assert "before" in printed.stdout
+    assert "no more chattering than now" in printed.stdout
+
+
+def test_tune_judges_by_draws_where_something_is_uncertain_and_tells_their_means(
+    goal: Experiment, tmp_path: Path
+) -> None:
+    arguments = ("tune", "goal.yaml", "--trials", "9", "--any-chattering")
+    done = slidetune(*arguments, "--json", "t.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "judged by the p95 of 50 draws\n" in done.stdout
+    assert "over all draws" in done.stdout
+    document = strict((tmp_path / "t.json").read_text(encoding="utf-8"))
+    assert document["tuning"]["quiet"] is False
+    runs = [simulate(drawn(goal, index), estimate=False).lanes[LANE].metrics for index in range(50)]
+    means = document["present"]["draws"]["means"]
+    assert means["mae"] == pytest.approx(np.mean([one.mae.mean() for one in runs]))
+    assert means["chattering"] == pytest.approx(np.mean([one.chattering for one in runs]))
 
 
 def test_tune_ends_with_4_where_no_gains_keep_the_hard_goals(

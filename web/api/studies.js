@@ -23,7 +23,8 @@ import {request} from './http.js';
  */
 /**
  * @typedef {{number: number, values: {[gain: string]: number}, patch: Document, outcome: Outcome,
- *   draws: {draws: number, diverged: number, kept: number}, beaten: boolean}} Trial
+ *   draws: {draws: number, diverged: number, kept: number, means?: {[figure: string]: number|null}},
+ *   beaten: boolean, louder?: boolean}} Trial
  */
 /**
  * @typedef {{index: number, share: number[], values: {[quantity: string]: number},

@@ -1,5 +1,5 @@
 // @ts-check
-/** One field of the form: a number or a choice, its meaning, and why it was refused. */
+/** One field of the form: a number, a choice or a tick, its meaning, and why it was refused. */
 
 import {element, freshId} from '../dom/element.js';
 import {read, written} from '../fields/quantity.js';
@@ -12,6 +12,7 @@ export class FormField {
   name;
   #field;
   #input;
+  #edited = false;
   #alert = element('p', {class: 'control-alert', role: 'alert'});
 
   /**
@@ -22,12 +23,13 @@ export class FormField {
     const [id, meaning] = [freshId('study-field'), freshId('study-meaning')];
     this.#field = field;
     this.name = field.path[field.path.length - 1];
-    const shared = {id, 'aria-describedby': meaning, on: {input: () => { this.refuse(''); changed(); }}};
-    this.#input = field.kind === 'choice'
-      ? element('select', {class: 'select', ...shared},
-        ...field.options.map((option) => element('option', {value: option}, option)))
-      : numberBox(shared);
-    this.#input.value = field.kind === 'choice' ? field.default : written(field.default);
+    const edited = () => {
+      this.#edited = true;
+      this.refuse('');
+      changed();
+    };
+    this.#input = inputOf(field, {id, 'aria-describedby': meaning, on: {input: edited}});
+    this.suggest(field.default);
     this.element = element('div', {class: 'study-field', 'data-field': this.name},
       element('label', {for: id, title: field.description}, field.title), this.#input,
       element('small', {id: meaning, class: 'study-meaning'}, field.description), this.#alert);
@@ -35,11 +37,32 @@ export class FormField {
 
   /** @returns {any} NaN for what is no number */
   get value() {
-    return this.#field.kind === 'choice' ? this.#input.value : read(this.#input.value, '');
+    const {kind} = this.#field;
+    if (kind === 'switch') return /** @type {HTMLInputElement} */ (this.#input).checked;
+    return kind === 'choice' ? this.#input.value : read(this.#input.value, '');
+  }
+
+  /** @param {any} value what it is as long as nobody edits it */
+  suggest(value) {
+    if (this.#edited) return;
+    const {kind} = this.#field;
+    if (kind === 'switch') /** @type {HTMLInputElement} */ (this.#input).checked = value;
+    else this.#input.value = kind === 'choice' ? value : written(value);
   }
 
   /** @param {string} text why, or '' */
   refuse(text) { refuse(this.#input, this.#alert, text); }
+}
+
+/**
+ * @param {Field} field
+ * @param {import('../dom/element.js').Attributes} shared
+ */
+function inputOf({kind, options}, shared) {
+  if (kind === 'switch') return element('input', {type: 'checkbox', ...shared});
+  if (kind !== 'choice') return numberBox(shared);
+  return element('select', {class: 'select', ...shared},
+    ...options.map((option) => element('option', {value: option}, option)));
 }
 
 /**

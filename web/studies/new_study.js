@@ -11,7 +11,7 @@ import {recall, remember} from '../screen/remembered.js';
 import {Axes} from './axes.js';
 import {FormField} from './form_field.js';
 import {GainTable} from './gain_table.js';
-import {lacks, risk} from './readiness.js';
+import {isUncertain, lacks, risk} from './readiness.js';
 import {gainsOf, numbersOf} from './tunable.js';
 import {KINDS} from './words.js';
 
@@ -22,6 +22,8 @@ import {KINDS} from './words.js';
 
 /** What has a control of its own. */
 const OWN = new Set(['lane', 'gains', 'axes']);
+/** As the server has it where nobody says how many. */
+const USUAL_DRAWS = 50;
 const NO_NUMBER = 'Give a number.';
 
 /** A form; whoever submits it begins a study, or reads what is wrong with it. */
@@ -131,7 +133,10 @@ export class NewStudy {
     this.#does.textContent = KINDS[this.#kind].does;
     const fields = this.#fields[this.#kind] ?? [];
     const gains = gainsOf(this.#schema, experiment, this.#lane.value);
-    if (this.#kind === 'tune') this.#gains.show(this.#lane.value, gains);
+    if (this.#kind === 'tune') {
+      this.#gains.show(this.#lane.value, gains);
+      fields.find(({name}) => name === 'draws')?.suggest(isUncertain(experiment) ? USUAL_DRAWS : 0);
+    }
     if (this.#kind === 'sweep') this.#axes.show([...gains, ...numbersOf(this.#schema, experiment)]);
     const shown = `${this.#kind} ${fields.length}`;
     if (shown !== this.#shown) {
@@ -159,7 +164,7 @@ export class NewStudy {
   #check() {
     const found = lacks(this.#kind, this.#api.experiment, this.#wanted);
     if (isWatching()) found.unshift({text: RUNS_ARE_THE_OWNERS, group: '', action: ''});
-    const warning = risk(this.#kind, this.#api.experiment);
+    const warning = risk(this.#kind, this.#api.experiment, this.#wanted);
     this.#risk.hidden = !warning;
     if (this.#risk.textContent !== warning) this.#risk.textContent = warning;
     const texts = JSON.stringify(found);

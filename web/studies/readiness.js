@@ -17,7 +17,7 @@ const NOTHING_UNCERTAIN = {
 /** Figures that a lane which chatters can't keep small. */
 const CHATTER = new Set(['chattering', 'switches', 'high_frequency_torque']);
 const CHATTERS = 'No goal bounds chattering: gains that are found may chatter far more than the present '
-  + 'ones. The target beside chattering in Response makes what the lane has now a goal.';
+  + 'ones. Tick "No more chattering than now", or set a bound: the target beside chattering in Response does.';
 
 /**
  * @param {Kind} kind
@@ -46,14 +46,15 @@ export function lacks(kind, experiment, wanted) {
  *
  * @param {Kind} kind
  * @param {Document} experiment
+ * @param {Document} wanted what the form says
  * @returns {string} a warning, or ''
  */
-export function risk(kind, {goals = {}}) {
+export function risk(kind, {goals = {}}, {quiet}) {
   const all = Object.values(goals);
-  return kind === 'tune' && all.length && !all.some(({figure}) => CHATTER.has(figure)) ? CHATTERS : '';
+  return kind === 'tune' && !quiet && all.length && !all.some(({figure}) => CHATTER.has(figure)) ? CHATTERS : '';
 }
 
 /** @param {Document} experiment */
-function isUncertain({uncertainty = {}}) {
+export function isUncertain({uncertainty = {}}) {
   return Object.values(uncertainty).some((range) => Array.isArray(range));
 }

@@ -9,8 +9,10 @@ import {percent} from '../lenses/card.js';
 
 /** The server tells it of as many trials or more; see robot/study/importance.py. */
 export const FEWEST = 24;
-const MEANING = 'Share of what makes the best tenth of the trials differ from all of them (PED-ANOVA). '
-  + 'A gain that counts little can be left as it is.';
+const LITTLE = 'A gain that counts little can be left as it is.';
+const MEANING = `Share of what makes the best tenth of the trials differ from all of them (PED-ANOVA). ${LITTLE}`;
+const OF_EVOLUTION = 'Share of what is lost where the order of the trials is told by all gains but this one. '
+  + LITTLE;
 
 /** A list of bars, the longest first. */
 export class Importance {
@@ -26,7 +28,7 @@ export class Importance {
    * @param {number} count of the trials so far
    * @param {number} gains that are searched
    */
-  show({lane, result}, count, gains) {
+  show({lane, result, wanted}, count, gains) {
     const shares = /** @type {[string, number][]} */ (Object.entries(result?.importance ?? {}));
     const built = JSON.stringify([lane, shares, shares.length || count, gains]);
     if (built === this.#built) return;
@@ -44,7 +46,8 @@ export class Importance {
       element('div', {class: 'search-bar-track'}, bar),
       element('span', {class: 'search-bar-share'}, percent(share)));
     });
-    this.element.replaceChildren(element('p', {class: 'search-note'}, MEANING),
+    this.element.replaceChildren(element('p', {class: 'search-note'},
+      wanted.sampler === 'cmaes' ? OF_EVOLUTION : MEANING),
       element('ul', {class: 'search-bars', 'aria-label': 'Importance of the gains'}, ...rows));
   }
 }

@@ -29,11 +29,9 @@ const TABS = /** @type {{id: Tab, title: string}[]} */ ([
   {id: 'importance', title: 'Importance'},
 ]);
 
-const BEST = 'Best so far: of those that keep the hard goals, if any do.';
+const BEST = 'Best so far: goals are missed by fewer per cents, hard ones first; where that is the same, the mean '
+  + 'error is smaller.';
 const EDGE = 'What lies on the edge of the plot lies beyond it.';
-
-/** So many trials are made at once, and told together: as the server's search asks for them. */
-const BATCH = 8;
 
 /** The result of one search after another; `update` says which. */
 export class SearchResult {
@@ -210,7 +208,7 @@ export class SearchResult {
     const built = marks.join();
     if (this.#legend.dataset.built === built) return;
     this.#legend.dataset.built = built;
-    this.#legend.title = [fates.has('missed') ? BEST : '', EDGE].filter(Boolean).join(' ');
+    this.#legend.title = `${BEST} ${EDGE}`;
     this.#legend.replaceChildren(...marks.map(([mark, text]) => element('span', {},
       element('i', {class: `search-mark is-${mark}`, 'aria-hidden': 'true'}), text)));
   }
@@ -236,7 +234,7 @@ export class SearchResult {
   /** @param {Trial} trial */
   #standing({number}) {
     return [
-      number === 0 ? 'the gains before' : '', number === this.#best ? 'the best so far' : '',
+      number === 0 ? 'the gains before' : '', number === this.#best ? bestWords(this.#trials[number]) : '',
       number === this.#chosen ? 'chosen' : '',
     ].filter(Boolean).map((text) => `; ${text}`).join('');
   }
@@ -259,12 +257,15 @@ export class SearchResult {
   }
 }
 
+/** @param {Trial} best */
+function bestWords(best) {
+  return fateOf(best) === 'missed' ? 'the best so far, as none keeps every hard goal' : 'the best so far';
+}
+
 /**
  * @param {Study} study without a trial
  * @returns {string} why nothing may be seen for a while
  */
-function noneYet({total, wanted: {draws}}) {
-  const first = Math.min(total, BATCH);
-  const trials = first === 1 ? 'The only trial is' : `The first ${first} trials are`;
-  return `${trials} on the way${draws ? `, with up to ${draws} draws each` : ''}.`;
+function noneYet({wanted: {draws}}) {
+  return `The gains before are run first${draws ? `, at ${draws} draws` : ''}.`;
 }

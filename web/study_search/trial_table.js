@@ -108,12 +108,22 @@ function figureRows(present, trial) {
  * @returns {Row[]}
  */
 function drawRows(present, trial) {
+  const means = FIGURES.filter(({name}) => name in (present.draws.means ?? {})).map((figure) => {
+    const [before, after] = [present, trial].map(({draws, beaten}) => (
+      beaten ? null : draws.means?.[figure.name] ?? null
+    ));
+    return {
+      name: `${figure.title}, mean [${figure.shown_unit}]`, title: figure.meaning,
+      before: figureNumber(figure, before), after: figureNumber(figure, after),
+      change: changeOf(before, after, figure.better),
+    };
+  });
   const none = /** @type {import('../figures/change.js').Change} */ ({kind: 'none', text: ''});
   const shares = /** @type {const} */ ([['diverged', 'diverged'], ['kept', 'kept the hard goals']]);
   return [
     {name: 'run', before: valueText(present.draws.draws), after: valueText(trial.draws.draws),
       change: none},
-    ...shares.map(([key, name]) => ({
+    ...means, ...shares.map(([key, name]) => ({
       name, before: percent(present.draws[key]), after: percent(trial.draws[key]), change: none,
     })),
   ];

@@ -16,7 +16,7 @@ const FAINT = 0.15;
 export function colorOfFate(colors, fate) {
   return {
     kept: colors.accent, missed: colors.warning, diverged: colors.bad, refused: colors.bad,
-    beaten: colors.muted,
+    beaten: colors.muted, louder: colors.warning,
   }[fate];
 }
 
@@ -38,6 +38,13 @@ const SHAPES = {
     pen.stroke();
   },
   refused: (pen, x, y, r) => { pen.rect(x - r, y - r, 2 * r, 2 * r); pen.stroke(); },
+  louder: (pen, x, y, r) => {
+    pen.moveTo(x, y + 1.3 * r);
+    pen.lineTo(x + 1.2 * r, y - r);
+    pen.lineTo(x - 1.2 * r, y - r);
+    pen.closePath();
+    pen.fill();
+  },
   beaten: (pen, x, y, r) => { pen.arc(x, y, 0.8 * r, 0, 2 * Math.PI); pen.stroke(); },
 };
 

@@ -5,11 +5,12 @@ import {joined} from '../fields/merge_patch.js';
 import {FIGURES} from '../figures/figure.js';
 import {threeDigits} from '../figures/columns.js';
 import {ratioText} from '../goals/words.js';
+import {percent} from '../lenses/card.js';
 
 /** @typedef {import('../api/studies.js').Study} Study */
 /** @typedef {import('../api/studies.js').Trial} Trial */
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
-/** @typedef {'kept'|'missed'|'diverged'|'refused'|'beaten'} Fate */
+/** @typedef {'kept'|'missed'|'louder'|'diverged'|'refused'|'beaten'} Fate */
 /**
  * A number of each trial, as it is shown; null where there is none.
  * @typedef {{id: string, title: string, unit: string, of: (trial: Trial) => number|null}} Measure
@@ -19,6 +20,7 @@ import {ratioText} from '../goals/words.js';
 export const FATES = /** @type {const} */ ({
   kept: 'hard goals kept',
   missed: 'a hard goal missed',
+  louder: 'chatters more than before',
   diverged: 'diverged: no score',
   refused: 'refused: no score',
   beaten: 'given up early',
@@ -28,10 +30,11 @@ export const FATES = /** @type {const} */ ({
  * @param {Trial} trial
  * @returns {Fate}
  */
-export function fateOf({outcome, beaten}) {
+export function fateOf({outcome, beaten, louder}) {
   if (outcome.refused) return 'refused';
   if (outcome.diverged_at !== null) return 'diverged';
   if (beaten) return 'beaten';
+  if (louder) return 'louder';
   return outcome.kept ? 'kept' : 'missed';
 }
 
@@ -109,5 +112,7 @@ export function wordsOf(trial) {
   if (fate === 'diverged') {
     return `Trial ${number}: left its bounds at ${threeDigits(outcome.diverged_at)} s`;
   }
-  return `Trial ${number}: score ${ratioText(outcome.score)}, ${FATES[fate]}`;
+  const {draws, kept} = trial.draws;
+  const share = fate === 'missed' && draws > 1 ? `, kept at ${percent(kept)} of the draws` : '';
+  return `Trial ${number}: score ${ratioText(outcome.score)}, ${FATES[fate]}${share}`;
 }

@@ -112,11 +112,49 @@ def test_a_search_without_a_bound_on_chattering_is_warned_of(
     prepare(dashboard, GOALS)
     form = open_form(page, dashboard, "Auto-tune")
     warning = form.get_by_text("No goal bounds chattering")
+    expect(warning).to_be_hidden()
+    form.get_by_label("No more chattering than now").uncheck()
     expect(warning).to_be_visible()
     expect(form.get_by_role("button", name="Begin")).to_be_enabled()
     quiet = {"kind": "figure", "figure": "chattering", "bound": 200}
     prepare(dashboard, {"goals": {"quiet": quiet}})
     expect(warning).to_be_hidden()
+
+
+def test_a_search_has_draws_where_something_is_uncertain_and_keeps_what_was_typed(
+    page: Page, dashboard: Dashboard
+) -> None:
+    prepare(dashboard, GOALS)
+    form = open_form(page, dashboard, "Auto-tune")
+    draws = form.locator('[data-field="draws"]').get_by_role("textbox")
+    expect(draws).to_have_value("0")
+    prepare(dashboard, RANGES)
+    expect(draws).to_have_value("50")
+    prepare(dashboard, {"uncertainty": None})
+    expect(draws).to_have_value("0")
+    draws.fill("7")
+    prepare(dashboard, RANGES)
+    expect(draws).to_have_value("7")
+
+
+def test_the_best_gains_of_a_search_from_the_form_chatter_no_more_than_now(
+    page: Page, dashboard: Dashboard
+) -> None:
+    prepare(dashboard, SHORT, GOALS, RANGES)
+    form = open_form(page, dashboard, "Auto-tune")
+    form.locator('[data-field="trials"] input').fill("17")
+    form.get_by_role("button", name="Begin").click()
+    view = page.locator(".studies")
+    expect(view.locator(".study-head .study-state")).to_have_text("done", timeout=DEADLINE * 1000)
+    (found,) = dashboard.client.get("/api/studies").json()["studies"]
+    told = study(dashboard, found["id"])
+    assert told["wanted"]["quiet"] is True
+    assert told["wanted"]["draws"] == 50
+    means = [told["result"][one]["draws"]["means"]["chattering"] for one in ("present", "best")]
+    assert means[1] <= means[0]
+    table = view.locator(".search-table")
+    for name in ("mean error", "chattering"):
+        expect(table).to_contain_text(f"{name}, mean")
 
 
 def test_the_ranges_of_other_values_at_other_joints_are_those_of_the_greatest(

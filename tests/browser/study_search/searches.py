@@ -53,7 +53,7 @@ MOUNT = """async ([number, count]) => {
 def searched(dashboard: Dashboard, goals: dict[str, Any], **wanted: Any) -> dict[str, Any]:
     """Search, and return the study with its entries once it has ended."""
     patch(dashboard, {"goals": goals, "simulation": {"horizon": 2.0}})
-    told = {"lane": LANE, "trials": 32, "gains": GAINS, **wanted}
+    told = {"lane": LANE, "trials": 32, "gains": GAINS, "quiet": False, **wanted}
     made = dashboard.client.post("api/studies", json={"kind": "tune", "wanted": told})
     made.raise_for_status()
     number = made.json()["id"]

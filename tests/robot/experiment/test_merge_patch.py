@@ -173,3 +173,40 @@ def test_gains_of_a_lane_that_is_not_there_are_refused_by_the_names_of_those_tha
     (field,) = refused.value.fields
     assert field.path == "lanes.NFTMS"
     assert all(name in field.message for name in (*experiment.lanes, *LAWS))
+
+
+PATCHES: list[Any] = [
+    {},
+    {"title": "x", "lanes": {"first": {"nu": 30, "k1": [1, 2, 3, 4, 5, 6]}}},
+    {"lanes": {"second": {"law": "computed_torque"}, "third": None}},
+    {"lanes": {"first": None, "new": {"law": "smc"}}},
+    {"robot": {"payload": {"mass": 2.0}, "lag": 0.004}, "disturbance": {"constant": 3.0}},
+    {"robot": None, "trajectory": {"kind": "hold"}, "simulation": None},
+    {"robot": {"model": "jaka_zu5"}, "goals": {"near": {"kind": "figure", "bound": 0.01}}},
+    {"uncertainty": {"payload": [0.0, 3.0]}, "simulation": {"mode": "sampled"}},
+    {"lanes": {"first": {"nu": -1}}, "robot": {"lag": 9}, "unknown": {"a": 1}},
+    {"lanes": {"first": {"k1": [1, 2]}, "third": 5}, "trajectory": "sine"},
+    {"robot": {"model": "gone"}, "title": 7},
+    {"robot": 3},
+    {"lanes": None},
+    {"goals": {"near": {"kind": "figure", "bound": -1}, " ": {}}},
+    [],
+    {1: 2},
+]
+
+
+@pytest.mark.parametrize("patch", PATCHES, ids=str)
+def test_what_a_patch_does_not_name_need_not_be_validated_again(patch: Any) -> None:
+    """The same comes of it, or the same refusal, as of the whole document."""
+    found = []
+    for way in (Experiment.patched, whole):
+        try:
+            made = way(three(), patch)
+            found.append((made, made.document(), hash(made)))
+        except InvalidExperimentError as error:
+            found.append(error.fields)
+    assert found[0] == found[1]
+
+
+def whole(experiment: Experiment, patch: Any) -> Experiment:
+    return Experiment.from_document(merge_patch(experiment.document(), patch))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ GAINS: dict[str, Any] = {
     "k1": {"low": 50.0, "high": 90.0},
     "c": {"low": 1.0, "high": 20.0},
 }
-WANTED = Tuning(lane=LANE, gains=GAINS)
+WANTED = Tuning(lane=LANE, gains=GAINS, sampler="tpe")
+EVOLUTION = WANTED.model_copy(update={"sampler": "cmaes"})
 
 
 def experiment() -> Experiment:
@@ -72,6 +74,37 @@ def test_importance_is_what_optunas_evaluator_tells(count: int, digits: int) -> 
     assert found == pytest.approx(by_optuna(made), rel=1e-9)
     assert list(found.values()) == sorted(found.values(), reverse=True)
     assert next(iter(found)) == "nu"
+
+
+@pytest.mark.parametrize("digits", [1, 12])
+@pytest.mark.parametrize("count", [24, 100, 500])
+def test_importance_of_an_evolution_is_that_of_the_gain_which_the_cost_goes_with(
+    count: int, digits: int
+) -> None:
+    found = importance(experiment(), EVOLUTION, trials(count, digits))
+    assert found is not None
+    assert list(found) == sorted(found, key=lambda name: -found[name])
+    assert found["nu"] > 0.8
+    assert sum(found.values()) == pytest.approx(1.0)
+
+
+def test_a_gain_that_only_wanders_with_one_that_acts_does_not_count() -> None:
+    made, random = trials(200, 12), np.random.default_rng(3)
+    nu, c = (
+        next(one for one in search_space(experiment(), WANTED) if one.name == name)
+        for name in ("nu", "c")
+    )
+    for number, one in enumerate(made[1:], 1):  # both narrow down, as the steps of a search do
+        one.values["c"] = c.at(0.5 * number / 200 + 0.02 * float(random.random()))
+        one.values["nu"] = nu.at(1.0 - 0.5 * number / 200 - 0.2 * float(random.random()))
+    costs = [one.values["nu"] for one in made]
+    told = [
+        replace(one, outcome=replace(one.outcome, cost=cost))
+        for one, cost in zip(made, costs, strict=True)
+    ]
+    found = importance(experiment(), EVOLUTION, told)
+    assert found is not None
+    assert found["nu"] > 0.9
 
 
 @pytest.mark.parametrize("digits", [1, 12])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.presets import load_preset
-from slidetune.robot.study.judgement import CHUNK, is_beaten
+from slidetune.robot.study.judgement import is_beaten, looks
 from slidetune.robot.study.outcome import Outcome
-from slidetune.robot.study.race import AT_ONCE, draws_a_task, race
+from slidetune.robot.study.race import AT_ONCE, MOST_DRAWS, draws_a_task, race
 from slidetune.robot.study.tune import tune
 from slidetune.robot.study.tuning import Tuning
 
@@ -58,6 +59,7 @@ def raced(count: int, judged_by: str, executor: Executor, size: int, at_once: in
     return race(
         range(8),
         range(count),
+        looks(count, judged_by),
         size,
         lambda number, draws: executor.submit(some, number, draws),
         lambda met: is_beaten([one.cost for one in met], count, judged_by, BEST),
@@ -66,12 +68,12 @@ def raced(count: int, judged_by: str, executor: Executor, size: int, at_once: in
 
 
 def step_by_step(count: int, judged_by: str) -> dict[int, list[Outcome]]:
-    """Race in its plainest form: chunk after chunk, all of it before anything is looked at."""
+    """Race in its plainest form: look after look, all of it before anything is looked at."""
     found: dict[int, list[Outcome]] = {number: [] for number in range(8)}
     racing = list(found)
-    for start in range(0, count, CHUNK):
+    for start, end in pairwise([0, *looks(count, judged_by)]):
         for number in racing:
-            found[number] += some(number, range(count)[start : start + CHUNK])[0]
+            found[number] += some(number, range(count)[start:end])[0]
         racing = [
             number
             for number in racing
@@ -88,11 +90,23 @@ def test_the_outcomes_are_the_same_however_the_draws_are_cut_and_how_many_are_un
     expected = step_by_step(count, judged_by)
     if count == 50:
         assert len({len(met) for met in expected.values()}) > 1
-    for size in (1, 2, 3, 5, CHUNK):
+    for size in (1, 2, 3, 5, MOST_DRAWS):
         for at_once in (1, 7, AT_ONCE, 1000):
             assert raced(count, judged_by, Kept(), size, at_once) == expected
         with ThreadPoolExecutor(3) as pool:
             assert raced(count, judged_by, pool, size) == expected
+
+
+@pytest.mark.parametrize("judged_by", ["worst", "p95"])
+@pytest.mark.parametrize("count", [1, 7, 20, 50, 2000])
+def test_nothing_is_asked_before_it_can_be_answered_and_the_last_time_of_all_draws(
+    count: int, judged_by: str
+) -> None:
+    found = looks(count, judged_by)
+    assert found == sorted(set(found))
+    assert found[-1] == count
+    assert is_beaten([1.0] * found[0], count, judged_by, 1.0)
+    assert not is_beaten([1.0] * (found[0] - 1), count, judged_by, 1.0)
 
 
 def test_fifty_draws_of_eight_trials_keep_fifty_cores_busy() -> None:
@@ -136,7 +150,7 @@ def horizon(seconds: float, **simulation: Any) -> Experiment:
 def test_a_task_has_more_draws_the_shorter_a_run_is() -> None:
     sizes = [draws_a_task(horizon(seconds)) for seconds in (0.1, 1.0, 5.0, 10.0, 60.0)]
     assert sizes == sorted(sizes, reverse=True)
-    assert sizes[0] == CHUNK
+    assert sizes[0] == MOST_DRAWS
     assert sizes[-1] == 1
     assert sizes[3] == 3
     assert draws_a_task(load_preset("realistic")) == 1

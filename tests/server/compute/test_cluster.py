@@ -191,7 +191,9 @@ def test_a_lost_cluster_ends_a_search_and_keeps_what_is_done(
     alone.start_worker()
     command = ("tune", "goal.yaml", "--scheduler", alone.address, "--json", "lost.json")
     with ThreadPoolExecutor(1) as threads:
-        search = threads.submit(slidetune, *command, "--trials", "20000", folder=folder)
+        search = threads.submit(
+            slidetune, *command, "--trials", "20000", "--draws", "0", folder=folder
+        )
         with Client(alone.address, set_as_default=False) as client:
             until(lambda: search.done() or client.run_on_scheduler(_made) > 20)
         assert not search.done(), search.result()
@@ -205,7 +207,7 @@ def test_a_lost_cluster_ends_a_search_and_keeps_what_is_done(
     assert f"Error: {end}" in done.stderr
     trials = strict((folder / "lost.json").read_text(encoding="utf-8"))["trials"]
     assert len(trials) >= 8
-    few = ("tune", "goal.yaml", "--trials", str(len(trials)), "--json", "few.json")
+    few = ("tune", "goal.yaml", "--trials", str(len(trials)), "--draws", "0", "--json", "few.json")
     assert slidetune(*few, folder=folder).returncode == 0
     assert strict((folder / "few.json").read_text(encoding="utf-8"))["trials"] == trials
 

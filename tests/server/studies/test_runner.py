@@ -30,7 +30,8 @@ def experiment(horizon: float = 0.3) -> Experiment:
 
 
 def study(trials: int = 24, horizon: float = 0.3) -> Study:
-    wanted = {"lane": LANE, "trials": trials, "gains": {"nu": {"low": 0.1, "high": 30.0}}}
+    gains = {"nu": {"low": 0.1, "high": 30.0}}
+    wanted = {"lane": LANE, "trials": trials, "draws": 0, "gains": gains}
     return Study.from_document("tune", experiment(horizon), wanted)
 
 
@@ -68,10 +69,10 @@ def test_the_next_server_goes_on_where_the_last_one_stopped(tmp_path: Path) -> N
     one = StudyRunner(StudyStore(tmp_path), lambda: Halting(28))
     one.start()
     number = one.begin(wanted)
-    until(lambda: one.store.progress(number)[2] >= 24)
+    until(lambda: one.store.progress(number)[2] >= 25)
     one.close()
-    # Three batches of eight: the fourth was under way.
-    assert StudyStore(tmp_path).progress(number) == ("running", "", 24)
+    # The present gains and three batches of eight: the fourth was under way.
+    assert StudyStore(tmp_path).progress(number) == ("running", "", 25)
     two = runner(tmp_path)
     two.start()
     until(lambda: two.store.progress(number)[0] == "done")
