@@ -91,6 +91,12 @@ def check_exportable(experiment: Experiment, name: str) -> None:
         raise InvalidExperimentError([FieldError(f"lanes.{name}.law", text, law)])
 
 
+def portable(experiment: Experiment) -> Experiment:
+    """Return an experiment without the lanes that only their own law's file makes run."""
+    lanes = {name: lane for name, lane in experiment.lanes.items() if law_of(lane).name in SHIPPED}
+    return experiment.model_copy(update={"lanes": lanes})
+
+
 def choices_of(lane: Section) -> frozenset[str]:
     """Return the names that hold of a lane: see the ``@if`` of the texts.
 

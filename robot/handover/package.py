@@ -13,7 +13,7 @@ from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
-from slidetune.robot.handover.choices import check_exportable, choices_of
+from slidetune.robot.handover.choices import check_exportable, choices_of, portable
 from slidetune.robot.handover.conditions import Document, conditions_of
 from slidetune.robot.handover.conditions_text import conditions_markdown, table_cell
 from slidetune.robot.handover.gains_file import CONTROLLER, check_controller, gains_yaml
@@ -76,7 +76,7 @@ def package(
     files = {
         **texts,
         "gains.yaml": gains_yaml(controller, law_of(lane).name, arm.joint_names, gains),
-        "experiment.yaml": experiment_to_yaml(experiment),
+        "experiment.yaml": experiment_to_yaml(portable(experiment)),
         "vectors.csv": "".join(vectors.csv_lines()),
     }
     values = {

@@ -181,9 +181,12 @@ def test_a_law_of_ones_own_is_refused(tmp_path: Path) -> None:
         path = tmp_path / "own.py"
         path.write_text(EXAMPLE)
         law = take_law(Source(str(path), EXAMPLE))
-        experiment = Experiment.from_document({"lanes": {"A": {"law": law.name}}})
+        lanes = {"A": {"law": law.name}, "B": {"law": "smc"}}
+        experiment = Experiment.from_document({"lanes": lanes, "simulation": {"horizon": 0.2}})
         with pytest.raises(InvalidExperimentError, match=r"lanes\.A\.law: .*only the laws that"):
             package(experiment, "A")
+        others = experiment_from_yaml(package(experiment, "B").files["experiment.yaml"])
+        assert list(others.lanes) == ["B"]
 
 
 def test_an_unknown_lane_is_refused() -> None:
