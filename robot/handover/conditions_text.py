@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from slidetune.robot.arm.known import arm_named
-from slidetune.robot.fields.units import unit_of_joints
+from slidetune.robot.fields.units import BETWEEN, unit_of_joints
 from slidetune.robot.goals.uncertainty import Uncertainty
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.figures import FIGURES, STUDIED
@@ -46,8 +46,15 @@ def conditions_markdown(conditions: Document) -> str:
         title = "How it did in continuous mode, as it was tuned"
         lines += _outcome(title, conditions["outcome_as_tuned"], slides)
     lines += _robustness(conditions["robustness"], slides)
+    remarks = [one["message"] for one in conditions["advice"] if one["level"] == "info"]
+    lines += _listed("Remarks", remarks)
     lines += _listed("What is not covered", conditions["not_covered"])
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _unit(unit: str, slides: Sequence[bool]) -> str:
+    """Return the unit of an arm's joints, without the bar that would end a cell."""
+    return unit_of_joints(unit, slides).replace(BETWEEN, " or ")
 
 
 def table_cell(text: str) -> str:
@@ -81,7 +88,7 @@ def _loop(conditions: Document, slides: Sequence[bool]) -> list[tuple[str, str]]
     nominal, noise = arm["nominal"], conditions["environment"]["sensor_noise"]
     mass = f"{payload['mass']:g} kg at {payload['center']} m of the flange's frame"
     known = "known" if nominal["knows_payload"] else "not known"
-    angle = unit_of_joints("rad", slides)
+    angle = _unit("rad", slides)
     model = "the law takes none"
     if LAWS[conditions["law"]].model_based:
         model = f"digest {nominal['digest']}, masses times {nominal['scale']:g} of the arm's"
@@ -97,8 +104,7 @@ def _loop(conditions: Document, slides: Sequence[bool]) -> list[tuple[str, str]]
         ("initial velocity", _INITIAL[conditions["initial_velocity"]]),
         (
             "noise of q and v",
-            f"{noise['position']:g} {angle} and {noise['velocity']:g} "
-            f"{unit_of_joints('rad/s', slides)}",
+            f"{noise['position']:g} {angle} and {noise['velocity']:g} {_unit('rad/s', slides)}",
         ),
     ]
 
@@ -118,7 +124,7 @@ def _by_joint(conditions: Document, slides: Sequence[bool]) -> list[list[str]]:
     return [
         [title, *map(table_cell, values)]
         if unit is None
-        else [f"{title} [{unit_of_joints(unit, slides)}]", *map(_number, values)]
+        else [f"{title} [{_unit(unit, slides)}]", *map(_number, values)]
         for title, unit, values in rows
     ]
 
@@ -146,7 +152,7 @@ def _outcome(title: str, outcome: Document, slides: Sequence[bool]) -> list[str]
     goals = [
         (
             table_cell(name),
-            goal["said"],
+            table_cell(goal["said"]),
             goal["priority"],
             _number(goal["ratio"]),
             "yes" if goal["kept"] else "no",
@@ -158,7 +164,7 @@ def _outcome(title: str, outcome: Document, slides: Sequence[bool]) -> list[str]
     lines += _table(("figure", "unit", "value"), _figures(outcome["figures"], slides))
     estimate = outcome["accuracy"]["error_estimate"]
     if estimate is not None:
-        angle = unit_of_joints("rad", slides)
+        angle = _unit("rad", slides)
         lines += [f"Estimated error of the simulated positions: {estimate:.2g} {angle}.", ""]
     return lines
 
@@ -171,7 +177,7 @@ def _figures(figures: Document, slides: Sequence[bool]) -> list[tuple[str, str, 
             continue
         values = list(value) if isinstance(value, list | tuple) else [value]
         shown = ", ".join(_number(one, figure.factor) for one in values)
-        rows.append((figure.title, unit_of_joints(figure.shown_unit, slides), shown))
+        rows.append((figure.title, _unit(figure.shown_unit, slides), shown))
     return rows
 
 

@@ -38,6 +38,7 @@ LANE = "NFTSM"
 GOALS: dict[str, Any] = {
     "near": {"kind": "figure", "figure": "max_error", "bound": 1e-6},
     "quiet": {"kind": "figure", "figure": "chattering", "bound": 1e6, "priority": "hard"},
+    "a | b": {"kind": "response", "channel": "e", "bound": 1.0},
 }
 
 
@@ -130,6 +131,20 @@ def test_the_conditions_are_those_of_the_run(handed: Package) -> None:
     assert "| torque limit [N·m] | 150 | 150 | 150 | 28 | 28 | 28 |" in text
     assert "no section `uncertainty`" in text
     assert f"{conditions['margin']['gamma']:.4g}" in text
+
+
+@pytest.mark.parametrize("name", ["conditions.md", "README.md"])
+def test_every_row_of_a_table_has_the_cells_of_its_head(handed: Package, name: str) -> None:
+    table: list[int] = []
+    rows = 0
+    for line in handed.files[name].splitlines():
+        if not line.startswith("|"):
+            table = []
+            continue
+        rows += 1
+        table.append(len(re.findall(r"(?<!\\)\|", line)))
+        assert table[-1] == table[0], line
+    assert rows > 10
 
 
 def test_robustness_is_told_where_it_was_drawn() -> None:

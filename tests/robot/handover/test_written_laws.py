@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import random
 from collections.abc import Iterator
 from itertools import product
@@ -19,7 +21,7 @@ from slidetune.robot.handover.law_text import law_texts
 from slidetune.robot.handover.sampled_run import Vectors, sampled_experiment, vectors_of
 from slidetune.robot.handover.self_check import TOLERANCE, checked_vectors, loaded, torques_of
 from slidetune.robot.laws import LAWS, SHIPPED
-from tests.robot.handover.built import check_everywhere, run_python, written
+from tests.robot.handover.built import check_everywhere, compilers, run_c, run_python, written
 from tests.trust.random_experiment import Draw
 
 ARMS = ("jaka_zu5", "two_links", "pendulum")
@@ -165,6 +167,62 @@ def test_the_python_needs_nothing_of_ours(law: str, arm: str, tmp_path: Path) ->
     done = run_python(written({**texts, "vectors.csv": "".join(vectors.csv_lines())}, tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "they agree" in done.stdout
+
+
+def with_nan(vectors: Vectors) -> Vectors:
+    """Vectors in whose last period nobody knows where the last joint is."""
+    q = vectors.q.copy()
+    q[-1, -1] = np.nan
+    return dataclasses.replace(vectors, q=q)
+
+
+@pytest.mark.parametrize("law", sorted(SHIPPED))
+def test_what_is_no_number_leaves_state_and_torque_as_they_were(law: str, tmp_path: Path) -> None:
+    experiment = experiment_of({"law": law}, "two_links", random.Random(law))
+    texts, vectors = texts_and_vectors(experiment, 20)
+    python = loaded(texts["law.py"])
+    state = python.State()
+    seen = [vectors.q, vectors.v, vectors.q_d, vectors.v_d]
+    seen += [vectors.a_d, vectors.M, vectors.h] if vectors.model_based else []
+    for number in range(20):
+        python.step(state, python.Inputs(*(column[number] for column in seen)))
+    before = copy.deepcopy(vars(state))
+    seen[0] = with_nan(vectors).q
+    with pytest.raises(ValueError, match="of joint 2 is not finite"):
+        python.step(state, python.Inputs(*(column[-1] for column in seen)))
+    for name, value in vars(state).items():
+        assert np.array_equal(value, before[name]), name
+
+    files = {**texts, "vectors.csv": "".join(with_nan(vectors).csv_lines())}
+    files["check.c"] = files["check.c"].replace(BAD, UNTOUCHED).replace(CALL, BEFORE + CALL)
+    files["check.c"] = files["check.c"].replace(
+        "#include <stdio.h>", "#include <stdio.h>\n#include <string.h>"
+    )
+    folder = written(files, tmp_path)
+    for compiler in compilers():
+        done = run_c(folder, compiler)
+        assert (done.returncode, done.stderr) == (7, "joint 2 is bad\n"), done.stdout
+
+
+CALL = "        const int bad = law_step("
+BEFORE = """\
+        const law_state before = state;
+        for (int j = 0; j < N; j++) {
+            torque[j] = 77.0;
+        }
+"""
+BAD = "        if (bad) {\n"
+UNTOUCHED = f"""\
+{BAD}\
+            int same = !memcmp(&before, &state, sizeof state);
+            for (int j = 0; j < N; j++) {{
+                same = same && torque[j] > 76.0;
+            }}
+            fprintf(stderr, "joint %d is %s\\n", bad, same ? "bad" : "changed");
+            return 7;
+        }}
+{BAD}"""
+"""What check.c would do if it were about what a failed step leaves."""
 
 
 @pytest.mark.parametrize("seed", range(40))
