@@ -37,8 +37,8 @@ def gains_yaml(controller: str, law: str, joints: Sequence[str], gains: Sequence
         gains: what ``tuned_gains`` returned.
     """
     lines = [
-        "# Parameters of the controller, as ros2_control takes them. Each list has one number a",
-        "# joint, in the order of `joints`; all are the numbers of law_tuned in law.c.",
+        "# Parameters of the controller, for ros2_control: the numbers of law_tuned in law.c.",
+        "# Each list has one number a joint, in the order of `joints`; .inf is no limit.",
         f"{controller}:",
         "  ros__parameters:",
         f"    law: {law}",
