@@ -220,6 +220,27 @@ def test_a_law_that_does_otherwise_is_not_handed_over() -> None:
         checked_vectors(law, dataclasses.replace(vectors, tau=wrong))
 
 
+def test_vectors_end_where_rounding_alone_makes_torques_differ() -> None:
+    # Time-delay estimation adds up what each period was rounded by.
+    lane = {"law": "smc", "observer": "time_delay", "k1": 2.0, "k2": 1.0}
+    document = {
+        "robot": {"model": "two_links"},
+        "lanes": {"A": lane},
+        "simulation": {"mode": "sampled"},
+        "disturbance": {"nominal_mismatch": 0.8},
+    }
+    packed = pack(Experiment.from_document(document))
+    vectors = vectors_of(packed, "A")
+    law = loaded(law_texts(packed, "A")["law.py"])
+    assert len(checked_vectors(law, vectors).time) == 1000
+    rough = vectors.tau.copy()
+    rough[500:] *= 1.0 + 1e-12
+    assert len(checked_vectors(law, dataclasses.replace(vectors, tau=rough)).time) == 500
+    rough[500:] *= 1.0 + 1e-9
+    with pytest.raises(HandOverError, match="mistake of the program"):
+        checked_vectors(law, dataclasses.replace(vectors, tau=rough))
+
+
 def test_a_package_is_the_same_archive_each_time(handed: Package) -> None:
     archive = zipped(handed.files, "package")
     assert archive == zipped(package(short("realistic", goals=GOALS), LANE).files, "package")
