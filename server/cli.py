@@ -1,4 +1,4 @@
-"""Commands: serve, run, paper, bench; studies; arms; recordings."""
+"""Commands: serve, run, paper, bench; studies; export; arms; recordings."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from slidetune.server.cli_options import (
     take_laws,
     urdf_choice,
 )
+from slidetune.server.export_command import export
 from slidetune.server.fit_command import fit
 from slidetune.server.recording_commands import identify, log, reference
 from slidetune.server.study_commands import robustness, sweep, tune
@@ -203,7 +204,7 @@ def bench(
         print_bench(results, output())
 
 
-for command in (tune, robustness, sweep, fit, doctor, arms, reference, log, identify):
+for command in (tune, robustness, sweep, fit, export, doctor, arms, reference, log, identify):
     cli.command()(command)
 cli.add_typer(arm_cli, name="arm")
 

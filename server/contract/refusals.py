@@ -21,6 +21,7 @@ from slidetune.robot.errors import (
     UnknownLessonError,
     UnknownPresetError,
 )
+from slidetune.robot.handover.self_check import HandOverError
 from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.openapi import methods_at
 from slidetune.server.contract.wrong_request import refused_fields
@@ -68,6 +69,7 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (UnknownLogError, 404, "unknown_log"),
     (RefusedLogError, 422, "refused_log"),
     (LogStorageError, 507, "storage"),
+    (HandOverError, 422, "hand_over"),
     (UnknownStudyError, 404, "unknown_study"),
     (StudyStorageError, 507, "storage"),
 )

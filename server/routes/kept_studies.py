@@ -33,6 +33,7 @@ from slidetune.server.contract.study_messages import (
     StudySummary,
 )
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
+from slidetune.server.guard.limited_stream import LimitedStream
 from slidetune.server.guard.limits import (
     MAX_FOLLOWED,
     MAX_KEPT_STUDIES,
@@ -41,7 +42,6 @@ from slidetune.server.guard.limits import (
 )
 from slidetune.server.guard.plain_json import NotJsonError, read_json
 from slidetune.server.live.goal_watch import SECONDS
-from slidetune.server.routes.limited_stream import LimitedStream
 from slidetune.server.scene.replay import replay_of
 from slidetune.server.state.app_state import AppState
 from slidetune.server.studies.download import MEDIA, SUFFIXES, Format, download

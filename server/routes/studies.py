@@ -23,8 +23,8 @@ from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.messages import ErrorAnswer, Strict
 from slidetune.server.guard.concurrency_limit import ConcurrencyLimit
+from slidetune.server.guard.limited_stream import LimitedStream
 from slidetune.server.guard.limits import MAX_STUDIES, TooManyStudiesError
-from slidetune.server.routes.limited_stream import LimitedStream
 from slidetune.server.state.app_state import AppState
 
 NDJSON = "application/x-ndjson"

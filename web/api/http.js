@@ -84,7 +84,7 @@ export async function request(method, address, body, signal) {
   const response = await answer(method, address, body, signal);
   const type = response.headers.get('Content-Type') ?? '';
   if (response.status === 204) return null;
-  if (type.includes('octet-stream')) return response.arrayBuffer();
+  if (/octet-stream|zip/.test(type)) return response.arrayBuffer();
   return type.includes('json') ? response.json() : response.text();
 }
 

@@ -6,6 +6,7 @@ import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {openMenu} from '../dom/menu.js';
+import {handOver} from './hand_over.js';
 
 /** @typedef {import('../api/api.js').Lane} Lane */
 
@@ -166,6 +167,8 @@ class LaneList {
         disabled: lanes.length >= this.#most, run: () => this.#duplicate(name)},
       {label: 'Reset', hint: 'this lane only; time continues', icon: 'reset',
         run: () => this.#api.reset(name)},
+      {label: 'Hand over…', hint: 'code, gains and conditions for a real controller', icon: 'download',
+        run: () => handOver(this.#api, name)},
       {label: 'Remove', icon: 'trash', danger: true, disabled: lanes.length < 2,
         run: () => this.#change(`removal of ${name}`, {[name]: null})},
       {heading: 'Law'},

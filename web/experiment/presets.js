@@ -6,6 +6,7 @@ import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
 import {placeAt} from '../dom/menu.js';
+import {fileName, saveFile} from '../dom/save_file.js';
 import {Schema} from '../fields/schema.js';
 import {same} from '../fields/merge_patch.js';
 
@@ -175,7 +176,8 @@ export class Presets {
     try {
       const text = await this.#api.exportYaml();
       const {preset, experiment} = this.#api;
-      download(`${fileName(preset || experiment.title)}.yaml`, text);
+      const name = fileName(preset || experiment.title) || 'experiment';
+      saveFile(`${name}.yaml`, text, 'application/yaml');
     } catch (error) {
       this.#fail(error);
     }
@@ -191,21 +193,6 @@ export class Presets {
  * @param {string} text
  */
 function firstSentence(text) { return /^.*?[.!?](?=\s+\p{Lu}|\s*$)/su.exec(text)?.[0] ?? text; }
-
-/** @param {string} title */
-function fileName(title) {
-  return title.trim().replace(/[^\p{L}\p{N}._-]+/gu, '-').replace(/^[-.]+|[-.]+$/g, '') || 'experiment';
-}
-
-/**
- * @param {string} name
- * @param {string} text
- */
-function download(name, text) {
-  const address = URL.createObjectURL(new Blob([text], {type: 'application/yaml'}));
-  element('a', {href: address, download: name}).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
-}
 
 /**
  * @param {HTMLElement} list

@@ -53,6 +53,7 @@ BODY_ROUTES = [
     ("POST", "/api/preview"),
     ("POST", "/api/lens"),
     ("POST", "/api/threshold"),
+    ("POST", "/api/hand-over"),
     ("POST", "/api/studies"),
     ("POST", "/api/studies/accept"),
     ("POST", "/api/studies/strip"),

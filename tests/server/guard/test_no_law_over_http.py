@@ -17,6 +17,7 @@ RUN = {"law_from", "take_law", "take_laws", "try_apart", "LawFile", "LawFiles", 
 MAY = {
     "server/cli.py",
     "server/cli_options.py",
+    "server/export_command.py",
     "server/fit_command.py",
     "server/law_files/child.py",
     "server/law_files/law_files.py",

@@ -13,6 +13,7 @@ from rich.console import Console
 from slidetune.robot.arm.known import KnownArm, add_arm, forget_arm
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
+from slidetune.robot.handover.package import package
 from slidetune.robot.loop.simulate import simulate
 from slidetune.server.report.run_columns import run_columns
 from slidetune.server.report.run_figures import run_page
@@ -93,3 +94,14 @@ def test_angles_of_a_sine_stay_angles_where_a_joint_slides() -> None:
     sine = published_schema("slider")["$defs"]["SineTrajectory"]["properties"]
     units = [sine[name]["unit"] for name in ("amplitude", "angular_frequency", "phase", "offset")]
     assert units == ["m", "rad/s", "rad", "m"]
+
+
+def test_a_hand_over_says_the_unit_of_each_joint_or_that_they_differ() -> None:
+    alone, mixed = (package(experiment(model), "A").files for model in ("slider", "both"))
+    assert "/* measured position [m] */" in alone["law.h"]
+    assert "proportional reaching gain k₁ [N·s/m]" in alone["gains.yaml"]
+    assert "| 1 | joint\\_1 | slides |" in alone["README.md"]
+    assert "rad" not in alone["law.h"].replace("gradual", "")
+    assert "/* measured velocity [rad/s | m/s] */" in mixed["law.h"]
+    assert "q: measured position [rad | m]." in mixed["law.py"]
+    assert "| torque limit [N·m or N] |" in mixed["conditions.md"]
