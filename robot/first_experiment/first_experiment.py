@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 from typing import Any
 
@@ -17,7 +18,7 @@ from slidetune.robot.experiment.presets import load_preset
 from slidetune.robot.fields.quantity import bounds
 from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.fields.written_value import written
-from slidetune.robot.first_experiment.gains import GAMMA, Gains, first_gains, scale_of
+from slidetune.robot.first_experiment.gains import GAMMA, RULED_LAWS, Gains, first_gains, scale_of
 from slidetune.robot.first_experiment.motion import OMEGA, Swing, first_motion
 from slidetune.robot.laws import LAWS
 from slidetune.robot.loop.simulate import simulate
@@ -93,13 +94,22 @@ def first_lane(model: str, law: str, rate: float = RATES[0]) -> Gains:
 
     Args:
         model: name of the arm.
-        law: name of a law that ships with the program.
+        law: name of a law.
         rate: control rate in [Hz].
 
     Returns:
-        Plain JSON values, for a patch.
+        Plain JSON values, for a patch; the law alone where its defaults are what there is: for the
+        arm that ships, and for a law of one's own.
     """
-    return first_gains(law, scale_of(first_motion(arm_named(model)), rate))
+    if model == SHIPPED or law not in RULED_LAWS:
+        return {"law": law}
+    return first_gains(law, scale_of(_swing(model), rate))
+
+
+@lru_cache(maxsize=8)
+def _swing(model: str) -> Swing:
+    """Keep the last ones: each takes some tenths of a second."""
+    return first_motion(arm_named(model))
 
 
 def _held_lane(document: dict[str, Any], law: str, swing: Swing, rate: float) -> Gains | None:

@@ -214,3 +214,5 @@ _RULES: dict[str, Callable[[Scale], Gains]] = {
     "adaptive_smc": _adaptive,
     "computed_torque": lambda scale: _pd(scale),
 }
+RULED_LAWS = frozenset(_RULES)
+"""Laws that ``first_gains`` has a rule for."""

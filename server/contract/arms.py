@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
@@ -23,6 +23,15 @@ class ArmList(BaseModel):
 
     arms: list[ArmSummary] = Field(description="Those that ship first.")
     live: str = Field(description="Name of the arm of the live experiment.")
+
+
+class FirstLane(BaseModel):
+    """A lane for the live arm."""
+
+    lane: dict[str, Any] = Field(
+        description="A law and gains of the live arm's size, for a patch; of the shipped arm the "
+        "law alone, whose defaults are for it."
+    )
 
 
 class ArmFinding(BaseModel):

@@ -12,11 +12,12 @@ from starlette.datastructures import UploadFile
 from slidetune.robot.arm.kept import kept_arms, remove
 from slidetune.robot.arm.known import SHIPPED, arm_named, forget_arm, shipped_arms
 from slidetune.robot.errors import UnknownArmError
-from slidetune.robot.first_experiment.first_experiment import first_experiment
+from slidetune.robot.first_experiment.first_experiment import RATES, first_experiment, first_lane
+from slidetune.robot.laws import LAWS
 from slidetune.server.arms.unpacked import MOST_FILES, refused
 from slidetune.server.arms.uploads import take_arm
 from slidetune.server.compute.arm_kernels import load_kernels
-from slidetune.server.contract.arms import ArmList, ArmReport
+from slidetune.server.contract.arms import ArmList, ArmReport, FirstLane
 from slidetune.server.contract.messages import ErrorAnswer, ExperimentAnswer
 from slidetune.server.contract.openapi import multipart
 from slidetune.server.routes.experiment import answer
@@ -56,6 +57,15 @@ def arms_router(app_state: AppState) -> APIRouter:
         ]
         kept = [{**asdict(arm), "shipped": False} for arm in kept_arms()]
         return {"arms": shipped + kept, "live": app_state.arm}
+
+    @router.get("/lane", response_model=FirstLane, responses=_REFUSED)
+    def lane(law: Annotated[str, Query(examples=["smc"])]) -> dict[str, Any]:
+        """A lane of a law with gains scaled to the live arm and its control rate, untried."""
+        if law not in LAWS:
+            raise refused(f"must be one of {', '.join(LAWS)}", law, "law")
+        simulation = app_state.document.experiment.simulation
+        rate = simulation.control_rate if simulation.mode == "sampled" else RATES[0]
+        return {"lane": first_lane(app_state.arm, law, rate)}
 
     @router.post("", response_model=ArmReport, responses=_REFUSED, openapi_extra=_FILES)
     async def bring(

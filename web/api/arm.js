@@ -9,6 +9,8 @@ import {SCHEMA} from './schema_document.js';
  *   joints: {name: string, slides: boolean}[]}} Arm
  */
 
+/** @typedef {{preset: string, experiment: {[section: string]: any}, title: string}} Former */
+
 /** @type {Arm} */
 export const ARM = SCHEMA['x-arm'];
 /** Its joints by number, from 1. */
@@ -37,20 +39,48 @@ export function unitOfAll(unit) {
   return [...new Set(JOINTS.map((joint) => unitAt(unit, joint)))].join(' | ');
 }
 
+const BEFORE = 'slidetune.before-arm';
+
 /**
- * Whoever changes the arm, every page begins anew: before anybody else hears of the other one.
+ * Whoever changes the arm, every page begins anew: before anybody else hears of the other one. The page
+ * that comes next knows what was there; see `formerExperiment`.
  *
  * @param {import('./api.js').Api} api nobody listens to yet
  */
 export function beginAnewForAnother(api) {
+  /** @type {Former|null} */ let former = null;
   const look = (/** @type {Event} */ event) => {
     const {experiment} = /** @type {CustomEvent} */ (event).detail;
-    if (experiment.robot.model === ARM.name) return;
+    if (experiment.robot.model === ARM.name) {
+      former = {preset: api.preset, experiment, title: ARM.title};
+      return;
+    }
     event.stopImmediatePropagation();
+    if (former) keepFormer(former);
     location.reload();
   };
   api.addEventListener('hello', look);
   api.addEventListener('patch', look);
+}
+
+/** @param {Former} former */
+function keepFormer(former) {
+  try {
+    sessionStorage.setItem(BEFORE, JSON.stringify(former));
+  } catch {
+    // Storage may be full or switched off; the list of edits leads back as well.
+  }
+}
+
+/** @returns {Former|null} what this page showed before its arm became another one, once */
+export function formerExperiment() {
+  try {
+    const kept = sessionStorage.getItem(BEFORE);
+    sessionStorage.removeItem(BEFORE);
+    return kept ? JSON.parse(kept) : null;
+  } catch {
+    return null;
+  }
 }
 
 /** @returns {string} such as `six joints`, `one joint` */

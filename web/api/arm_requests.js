@@ -31,5 +31,13 @@ export function bringArm(files, said) {
   return request('POST', `/api/arms?${new URLSearchParams(Object.fromEntries(given))}`, form);
 }
 
+/**
+ * @param {string} law
+ * @returns {Promise<{[gain: string]: any}>} a lane of it with gains of the live arm's size
+ */
+export async function laneOfItsSize(law) {
+  return (await request('GET', `/api/arms/lane?${new URLSearchParams({law})}`)).lane;
+}
+
 /** @param {string} name */
 export function forgetArm(name) { return request('DELETE', `/api/arms/${encodeURIComponent(name)}`); }

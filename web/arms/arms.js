@@ -1,19 +1,19 @@
 // @ts-check
 /** The arm that the experiment is about: which it is, others to begin with, one's own to bring. */
 
-import {ARM, jointCount} from '../api/arm.js';
+import {ARM, formerExperiment, jointCount} from '../api/arm.js';
 import {forgetArm, listArms} from '../api/arm_requests.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
+import {openLesson} from '../lessons/progress.js';
+import {isWatching} from '../api/watch_only.js';
 import {Doctor} from './doctor.js';
 import {pickedFiles} from './dropped.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('./dropped.js').Sent} Sent */
 /** @typedef {import('../api/arm_requests.js').ArmSummary} ArmSummary */
-
-const BEFORE = 'slidetune.before-arm';
 
 /** Which arm there is, and the way to another one. */
 export class Arms {
@@ -102,30 +102,23 @@ export class Arms {
    * @param {string} title
    */
   async #begin(name, title) {
-    const {preset, experiment} = this.#api;
-    const back = JSON.stringify({preset, experiment, title: ARM.title});
     const waiting = showDialog(title, element('div', {class: 'dialog-text'},
       element('p', {}, 'Its first experiment is made and tried. For a number of joints that is new here the '
         + 'control laws are compiled as well: half a minute, once.'),
       element('progress', {class: 'arm-progress', 'aria-label': 'Under way'})));
     try {
-      // The page that comes next offers the way back.
-      if (name !== ARM.name) sessionStorage.setItem(BEFORE, back);
       await this.#history.replace(`first experiment of ${title}`, () => this.#api.beginArm(name));
     } catch (error) {
-      // A page that is about to begin anew hears no answer.
-      if (/** @type {import('../api/http.js').ApiError} */ (error).status > 0) sessionStorage.removeItem(BEFORE);
       this.#fail(error);
     }
     waiting.close();
   }
 
   #offerTheWayBack() {
-    const kept = sessionStorage.getItem(BEFORE);
-    sessionStorage.removeItem(BEFORE);
-    if (!kept) return;
-    const {preset, experiment, title} = JSON.parse(kept);
-    if (experiment.robot.model === ARM.name) return;
+    const former = formerExperiment();
+    // A lesson has a way back of its own.
+    if (!former || former.experiment.robot.model === ARM.name || isWatching() || openLesson()) return;
+    const {preset, experiment, title} = former;
     const run = () => { this.#history.restore(preset, experiment).catch((error) => this.#fail(error)); };
     this.#tell(`The arm is ${ARM.title} now.`, {action: {label: `Back to ${title}`, run}, stays: true});
   }

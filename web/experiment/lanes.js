@@ -1,6 +1,7 @@
 // @ts-check
 /** The lanes: which there are, how they fare, and what can be done with them. */
 
+import {laneOfItsSize} from '../api/arm_requests.js';
 import {BOUNDS} from '../api/schema_document.js';
 import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
@@ -175,9 +176,24 @@ class LaneList {
       ...laws.map((law) => ({
         label: law.title,
         checked: law.name === experiment.lanes[name].law,
-        run: () => this.#change(`law of ${name}`, {[name]: {law: law.name}}),
+        run: () => this.#take(`law of ${name}`, name, law.name),
       })),
     ]);
+  }
+
+  /**
+   * A law's published gains are for the arm that ships: another one has gains of its own size.
+   *
+   * @param {string} label
+   * @param {string} name of a lane
+   * @param {string} law
+   */
+  async #take(label, name, law) {
+    try {
+      await this.#change(label, {[name]: await laneOfItsSize(law)});
+    } catch (error) {
+      this.#tell(/** @type {Error} */ (error).message, {error: true});
+    }
   }
 
   /**
@@ -198,7 +214,7 @@ class LaneList {
       hint: law.summary,
       run: async () => {
         const name = this.#free(law.title);
-        await this.#change(`new lane ${name}`, {[name]: {law: law.name}});
+        await this.#take(`new lane ${name}`, name, law.name);
         if (name in this.#api.experiment.lanes) this.#api.select(name);
       },
     })));

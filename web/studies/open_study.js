@@ -1,6 +1,7 @@
 // @ts-check
 /** One study: how far it is, what can be done with it, and what it shows. */
 
+import {ARM} from '../api/arm.js';
 import {element, freshId} from '../dom/element.js';
 import {ask} from '../dom/dialog.js';
 import {icon} from '../dom/icons.js';
@@ -118,7 +119,7 @@ export class OpenStudy {
     this.#summary = study;
     this.#tell(study);
     this.#compare();
-    this.#result?.update(study, entries);
+    if (!isOfAnotherArm(study)) this.#result?.update(study, entries);
     if (isUnderWay(before) && !isUnderWay(study)) this.#ended();
   }
 
@@ -157,13 +158,18 @@ export class OpenStudy {
   #compare() {
     const {study} = this.#feed;
     if (!study) return;
-    const names = differencesOf(study, this.#api.experiment, this.#names);
+    const foreign = isOfAnotherArm(study);
+    if (this.#result) this.#result.element.hidden = foreign;
+    const names = foreign ? [study.experiment.robot.model]
+      : differencesOf(study, this.#api.experiment, this.#names);
     const text = names.join(', ');
     if (this.#other.dataset.text === text) return;
     this.#other.dataset.text = text;
     this.#other.hidden = !text;
     this.#other.replaceChildren(
-      element('span', {}, `It is of another experiment than the live one, which differs in ${text}.`),
+      element('span', {}, foreign
+        ? `It is of another arm, ${text}: what it found is shown with its experiment.`
+        : `It is of another experiment than the live one, which differs in ${text}.`),
       isWatching() ? '' : element('button', {
         class: 'button small', type: 'button', on: {click: () => this.#load(study)},
       }, 'Load its experiment'),
@@ -212,3 +218,10 @@ export class OpenStudy {
     });
   }
 }
+
+/**
+ * Its gains and columns are of other joints than this page has.
+ *
+ * @param {Study} study
+ */
+function isOfAnotherArm({experiment}) { return experiment.robot.model !== ARM.name; }

@@ -9,6 +9,8 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from slidetune.robot.arm.teaching import TWO_LINKS
+from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
+from slidetune.robot.experiment.presets import load_preset
 from slidetune.server.compute.arm_kernels import load_kernels
 from tests.browser.conftest import Complaints, Dashboard
 from tests.server.scene.viser_client import until
@@ -84,6 +86,50 @@ def test_the_way_back_brings_the_former_experiment_with_its_preset(
     expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
     expect(page.locator(".preset-name")).to_have_text("paper")
     assert live(dashboard) == before
+
+
+def test_an_import_for_another_arm_offers_the_way_back(opened: Page, dashboard: Dashboard) -> None:
+    page = opened
+    dashboard.client.patch("/api/experiment", json={"lanes": {"NFTSM": {"nu": 31}}})
+    expect(page.locator(".preset-button.is-changed")).to_have_count(1)
+    before = live(dashboard)
+    drop(page, "mine.yaml", experiment_to_yaml(load_preset("two-links")).encode())
+    expect(page.locator(".arm-name")).to_have_text("Two links")
+    page.get_by_role("button", name="Back to JAKA Zu 5").click()
+    expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
+    until(lambda: live(dashboard) == before)
+
+
+def test_a_new_lane_has_gains_of_the_size_of_the_arm(opened: Page, dashboard: Dashboard) -> None:
+    page = opened
+    choose(page, "Two links")
+    page.get_by_role("button", name="Add lane").click()
+    page.get_by_role("menuitem", name="Super-twisting").click()
+    expect(page.locator(".lane", has_text="Super-twisting")).to_be_visible()
+    wanted = dashboard.client.get("/api/arms/lane?law=super_twisting").json()["lane"]
+    lane = live(dashboard)["lanes"]["Super-twisting"]
+    assert {key: lane[key] for key in wanted} == wanted
+    assert len(wanted["k1"]) == 2
+
+
+def test_a_study_of_another_arm_is_said_to_be_one(opened: Page, dashboard: Dashboard) -> None:
+    page = opened
+    goal = {"kind": "figure", "figure": "mae", "bound": 0.01}
+    dashboard.client.patch("/api/experiment", json={"goals": {"close": goal}}).raise_for_status()
+    wanted = {"lane": "NFTSM", "trials": 2}
+    study = dashboard.client.post("/api/studies", json={"kind": "tune", "wanted": wanted}).json()
+    address = f"/api/studies/{study['id']}"
+    until(lambda: dashboard.client.get(address).json()["state"] == "done")
+    choose(page, "Two links")
+    page.locator("[data-view=studies]").click()
+    page.locator(".study-list button").first.click()
+    said = page.locator(".study-other")
+    expect(said).to_contain_text("It is of another arm, jaka_zu5")
+    expect(page.get_by_role("button", name="Use these gains")).to_be_hidden()
+    said.get_by_role("button", name="Load its experiment").click()
+    expect(page.locator(".arm-name")).to_have_text("JAKA Zu 5")
+    expect(page.get_by_role("button", name="Use these gains")).to_be_visible()
+    expect(page.locator(".study-other")).to_be_hidden()
 
 
 def test_an_arm_that_is_dropped_is_examined_kept_and_begun_with(

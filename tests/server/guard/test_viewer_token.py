@@ -40,6 +40,7 @@ EVERYTHING_THAT_READS = [
     "/api/presets",
     "/api/presets/paper",
     "/api/arms",
+    "/api/arms/lane?law=smc",
     "/api/logs",
     "/api/history",
     "/api/link",

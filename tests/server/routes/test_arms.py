@@ -8,10 +8,14 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from websockets.sync.client import connect
 
 from slidetune.robot.arm.teaching import TWO_LINKS
+from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.laws import LAWS
+from slidetune.robot.loop.simulate import simulate
 from slidetune.server.compute.arm_kernels import load_kernels
 from tests.server.conftest import Served
 from tests.server.scene.viser_client import until
@@ -153,3 +157,24 @@ def test_nothing_of_what_was_sent_stays_behind(
     report = served.http.post("/api/arms", files=sent(("arm.urdf", arm_text("brief")))).json()
     assert not list(tmp_path.glob("slidetune-arm-*"))
     served.http.delete(f"/api/arms/{report['name']}")
+
+
+def test_a_new_lane_of_every_law_tracks_beside_those_of_the_first_experiment(
+    served: Served,
+) -> None:
+    begun = served.http.post("/api/arms/two_links/begin").json()["experiment"]
+    amplitude = np.array(begun["trajectory"]["amplitude"])
+    for law in LAWS:
+        lane = served.http.get("/api/arms/lane", params={"law": law}).json()["lane"]
+        assert lane["law"] == law
+        experiment = Experiment.from_document({**begun, "lanes": {"new": lane}})
+        run = simulate(experiment.patched({"simulation": {"horizon": 6}})).lanes["new"]
+        assert run.freeze is None
+        late = run.time > 2.0
+        assert (np.abs(run.e[late]).max(axis=0) < 0.1 * amplitude).all()
+    served.http.post("/api/presets/paper/load").raise_for_status()
+    answer = served.http.get("/api/arms/lane?law=smc")
+    assert answer.json()["lane"] == {"law": "smc"}
+    refused = served.http.get("/api/arms/lane?law=magic")
+    assert refused.status_code == 422
+    assert refused.json()["error"]["fields"][0]["path"] == "law"
