@@ -180,6 +180,7 @@ function figureOf(study, colors, curves, joint) {
   const known = curves.flatMap(({y}) => [...y].filter((value) => value > 0));
   const top = Math.max(...known, ...bounds.map(({y}) => y), 1e-9);
   const least = Math.max(Math.min(...known, top), top * DEEPEST);
+  const range = [Math.log10(least) - 0.1, Math.log10(top) + 0.15];
   return {
     data: curves.map(({uid, name, color, dash, width, x, y}) => ({
       type: 'scatter', mode: 'lines', uid, name: plain(name), x, y, connectgaps: false,
@@ -189,16 +190,17 @@ function figureOf(study, colors, curves, joint) {
       uirevision: `${study.id}`,
       xaxis: axis(colors, {title: 't [s]', range: [0, study.experiment.simulation.horizon]}),
       yaxis: axis(colors, {
-        title: `|e| [${unitOfAll('rad')}]`, type: 'log', nticks: 5,
-        range: [Math.log10(least) - 0.1, Math.log10(top) + 0.15],
+        title: `|e| [${unitOfAll('rad')}]`, type: 'log', range,
+        // Labels between the decades have no room.
+        dtick: range[1] - range[0] > 1.2 ? 1 : 'D2',
       }),
       shapes: bounds.map(({from, to, y, hard}) => ({
         type: 'line', x0: from, x1: to, y0: y, y1: y,
         line: {color: colors.bad, width: 1.4, dash: hard ? 'solid' : 'dash'},
       })),
       showlegend: true,
-      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'top', bgcolor: colors.background},
-      margin: {l: 66, r: 12, t: 6, b: 34},
+      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'bottom', bgcolor: 'transparent'},
+      margin: {l: 66, r: 12, t: 24, b: 34},
     },
   };
 }
