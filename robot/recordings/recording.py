@@ -17,6 +17,7 @@ from slidetune.robot.recordings.matching import DESIRED, MEASURED, Layout, Slot,
 from slidetune.robot.recordings.mcap_file import McapFile
 from slidetune.robot.recordings.refused import RecordingError
 from slidetune.robot.recordings.stamps import clock_of, seconds_of
+from slidetune.robot.recordings.turns import TURN, turns_said, whole_turns
 
 Array = np.ndarray
 
@@ -54,7 +55,7 @@ class Recording:
         v: velocities in [rad/s], or ``None``. Shape (m, n).
         tau: torques in [N m], or ``None``. Shape (m, n).
         current: currents in [A], or ``None``. Shape (m, n).
-        q_d: angles asked for in [rad], or ``None``. Shape (m, n).
+        q_d: angles asked for in [rad], of the turn of the measured ones, or ``None``. Shape (m, n).
         v_d: velocities asked for in [rad/s], or ``None``. Shape (m, n).
         remarks: what was assumed and what was left out, in words.
     """
@@ -138,7 +139,13 @@ def _read(path: Path, arm: KnownArm, wanted: Wanted) -> Recording:
     measured = MEASURED in found
     for slot in (DESIRED, MEASURED):
         if slot in found:
-            found[slot] = _unwound(found[slot], slides, joints, remarks)
+            prefix = "the desired angle of " if slot == DESIRED else ""
+            named = [f"{prefix}{joint}" for joint in joints]
+            found[slot] = _unwound(found[slot], slides, named, remarks)
+    if measured and DESIRED in found:
+        turns = whole_turns(found[DESIRED] - found[MEASURED], ~np.array(slides))
+        found[DESIRED] = found[DESIRED] - TURN * turns
+        remarks += turns_said(turns, joints, "the desired angle", "the measured one")
     q = found[MEASURED if measured else DESIRED]
     if not measured:
         remarks.append("no measured angles: those that were asked for are taken")
@@ -217,10 +224,9 @@ def _unwound(q: Array, slides: list[bool], joints: list[str], remarks: list[str]
         if not sliding and jumps[:, joint].any():
             q = q.copy()
             q[:, joint] = np.unwrap(q[:, joint])
-            remarks.append(
-                f"{joints[joint]} jumps by a turn {int(jumps[:, joint].sum())} times: taken as one "
-                "motion"
-            )
+            count = int(jumps[:, joint].sum())
+            often = "once" if count == 1 else f"{count} times"
+            remarks.append(f"{joints[joint]} jumps by a turn {often}: taken as one motion")
     return q
 
 
