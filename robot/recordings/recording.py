@@ -11,7 +11,7 @@ import numpy as np
 from slidetune.robot.arm.chain import turned_axis
 from slidetune.robot.arm.known import KnownArm
 from slidetune.robot.recordings.csv_file import CsvFile
-from slidetune.robot.recordings.headers import CURRENT, TORQUE, VELOCITY
+from slidetune.robot.recordings.headers import ANGLE, CURRENT, TORQUE, VELOCITY
 from slidetune.robot.recordings.limits import FEWEST_ROWS, MCAP_MAGIC, beginning_of
 from slidetune.robot.recordings.matching import DESIRED, MEASURED, Layout, Slot, match
 from slidetune.robot.recordings.mcap_file import McapFile
@@ -21,6 +21,7 @@ from slidetune.robot.recordings.turns import TURN, turns_said, whole_turns
 
 Array = np.ndarray
 
+_PLURAL = {ANGLE: "angles", VELOCITY: "velocities", TORQUE: "torques", CURRENT: "currents"}
 _FASTEST_LOOKING = 4.0 * np.pi
 """Angle in [rad] beyond which values look like degrees (*ours*): two turns either way."""
 
@@ -33,7 +34,7 @@ class Wanted:
         mapping: column by what it holds: ``time``, ``joint``, ``joint.velocity``, ``joint.torque``,
             ``joint.current``, ``joint.desired``; a joint is its name or its number from 1.
         source: topic of an MCAP file, or what stands before the names of the columns that count.
-        angles: unit of angles without one, ``deg`` or ``rad``.
+        angles: unit of angles without one, ``deg`` or ``rad``; per s of velocities without one.
         time: unit of a time without one: s, ms, us or ns.
     """
 
@@ -136,6 +137,7 @@ def _read(path: Path, arm: KnownArm, wanted: Wanted) -> Recording:
     time, _, more = seconds_of(clock, clocked, rows)
     blocks = _blocks(values[:, len(clock.columns) :], layout, width)
     found = _kept(blocks, layout, rows, file.names, remarks)
+    remarks += _units_said(layout, found, wanted.angles)
     measured = MEASURED in found
     for slot in (DESIRED, MEASURED):
         if slot in found:
@@ -200,6 +202,19 @@ def _kept(
     if MEASURED not in kept and DESIRED not in kept:
         raise RecordingError("has no angles: all of their cells are empty")
     return kept
+
+
+def _units_said(layout: Layout, found: Mapping[Slot, Array], angles: str) -> list[str]:
+    """Say which units were taken where headers have none, but for those that were asked for."""
+    taken: dict[str, dict[str, None]] = {}
+    for slot, units in layout.assumed.items():
+        asked = {angles} if slot in (MEASURED, DESIRED) else set()
+        if slot in found and not set(units) <= asked:
+            taken.setdefault(_PLURAL[slot[0]], {}).update(dict.fromkeys(units))
+    if not taken:
+        return []
+    said = ", ".join(f"{what} as {' or '.join(units)}" for what, units in taken.items())
+    return [f"taken where no unit is given: {said}"]
 
 
 def _check_finite(block: Array, rows: Array, headers: list[str]) -> None:
