@@ -17,8 +17,9 @@ _BIASED = 0.1
 _MOVED, _MOVED_TO_END = 1.0, 0.5
 """Half intervals by which a bound of another number may move one before it tells nothing, and where
 it moves it to an end of its own (*ours*)."""
-_ROUNDING = 1e-6
-"""Share of what a field permits that is no distance from its end (*ours*)."""
+_OF_MUCH, _OF_ITSELF = 0.001, 0.01
+"""Shares of what is much of a number, and of itself, below which a distance makes no difference
+(*ours*): without noise intervals are narrower than what a filter leaves."""
 
 
 def beside_bounds(
@@ -26,6 +27,7 @@ def beside_bounds(
     names: list[str],
     fitted: Array,
     ends: tuple[Array, Array],
+    much: Array,
     reasons: dict[int, str],
 ) -> Solution:
     """Say what the bounds of some numbers do to others; those that they move tell nothing.
@@ -38,16 +40,19 @@ def beside_bounds(
         names: fields of the numbers.
         fitted: which numbers were fitted. Shape (p,).
         ends: least and greatest values. Shapes (p,).
+        much: what is much of each number. Shape (p,).
         reasons: takes the words of each.
 
     Returns:
         The solution; where a number tells nothing its deviation is 0.
     """
-    held = _held(solution, fitted, ends)
+    worth = np.maximum(_OF_MUCH * much, _OF_ITSELF * np.abs(solution.free))
+    held = _held(solution, fitted & (_distance(solution) > worth), ends)
     if not held:
         return solution
-    moved, bound = _moved(solution, fitted, ends), f"the bound of {titles_of(names, held)}"
-    biased = _distance(solution) > _BIASED * solution.deviation
+    bound = f"the bound of {titles_of(names, held)}"
+    moved = _moved(solution, fitted & (_distance(solution) > worth), ends)
+    biased = _distance(solution) > np.maximum(_BIASED * solution.deviation, worth)
     for member in np.flatnonzero(fitted).tolist():
         if member in moved:
             reasons[member] = (
@@ -55,7 +60,7 @@ def beside_bounds(
                 f"{solution.values[member]:.3g}: its present value is kept"
             )
         elif member not in held and biased[member]:
-            said = f"beside {bound} it is biased, by less than its interval"
+            said = f"beside {bound} it is biased, by about {_distance(solution)[member]:.2g}"
             reasons[member] = "; ".join(part for part in (reasons.get(member, ""), said) if part)
     deviation = solution.deviation.copy()
     deviation[moved] = 0.0
@@ -72,11 +77,10 @@ def _held(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> list[
 
     Args:
         solution: of the fit.
-        fitted: which numbers were fitted. Shape (p,).
+        fitted: which numbers were fitted and are far from where they would be. Shape (p,).
         ends: least and greatest values. Shapes (p,).
     """
-    least = np.maximum(_CERTAIN * solution.deviation, _ROUNDING * (ends[1] - ends[0]))
-    certain = _outside(solution, ends) & (_distance(solution) > least)
+    certain = _outside(solution, ends) & (_distance(solution) > _CERTAIN * solution.deviation)
     return [int(at) for at in np.flatnonzero(fitted & _at_end(solution, ends) & certain)]
 
 
@@ -88,7 +92,7 @@ def _moved(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> list
 
     Args:
         solution: of the fit, in which some number is held by its bounds.
-        fitted: which numbers were fitted. Shape (p,).
+        fitted: which numbers were fitted and are far from where they would be. Shape (p,).
         ends: least and greatest values. Shapes (p,).
     """
     allowed = np.where(_at_end(solution, ends), _MOVED_TO_END, _MOVED) * solution.deviation

@@ -245,7 +245,7 @@ def _told(
     for member, fixes in given.items():
         if fitted[member]:
             reasons[member] = f"given the present value of {titles_of(names, fixes)}"
-    return beside_bounds(solution, names, fitted, ends, reasons), reasons
+    return beside_bounds(solution, names, fitted, ends, much, reasons), reasons
 
 
 def _beyond(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> int | None:

@@ -53,10 +53,20 @@ def test_what_a_bound_of_another_number_moves_is_not_used(two: Run) -> None:
     assert "robot.armature.1" in kept
 
 
+def test_without_noise_what_a_filter_leaves_is_no_bound_to_speak_of() -> None:
+    # Rotors of no inertia come out as -3e-5 with intervals of 1e-6.
+    robot = {"inertials": "datasheet", "viscous_friction": [6.0, 6.0, 4.0, 2.0, 1.5, 1.0]}
+    run = run_of({"robot": robot, "trajectory": {"kind": "sine"}})
+    found = identify(log_of(run), unknowing(run))
+    assert not [one.path for one in found.estimates if "the bound of" in one.reason]
+    friction = found.patch["robot"]["viscous_friction"]
+    assert friction == pytest.approx(robot["viscous_friction"], rel=0.01)
+
+
 def test_no_friction_in_one_joint_says_nothing_of_others(two: Run) -> None:
     changes = {"coulomb_friction": [0.0, 0.6], "viscous_friction": [0.0, 0.4]}
     run = run_of({**TWO, "robot": {**TWO["robot"], **changes}})
-    for noise, seed in ((0.0, 0), (0.1, 1), (0.1, 2)):
+    for noise, seed in ((0.0, 0), (1e-5, 1), (0.1, 1), (0.1, 2)):
         found = identify(log_of(run, noise, seed=seed), unknowing(run))
         assert not [one.path for one in found.estimates if "the bound of" in one.reason]
         assert found.patch["robot"]["coulomb_friction"] == pytest.approx([0.0, 0.6], abs=0.05)
