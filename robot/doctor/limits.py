@@ -7,8 +7,10 @@ from math import inf, isclose, pi, radians
 
 import numpy as np
 
+from slidetune.robot.arm.section import Robot
 from slidetune.robot.doctor.urdf.description import LONGEST_LINK, Joint, Vector
 from slidetune.robot.doctor.urdf.finding import Findings, figure, figures, joint_named
+from slidetune.robot.fields.quantity import bounds
 
 MOST_TURN = 4.0 * pi
 """Limits beyond it, in [rad], look like degrees (*ours*): real joints turn twice at most."""
@@ -57,7 +59,12 @@ def unit_axis(joint: Joint, findings: Findings) -> Vector:
 def checked_limits(joint: Joint, findings: Findings) -> Limits:
     """Return the limits of a joint of the arm."""
     unit, force = ("m", "N") if joint.kind == "prismatic" else ("rad", "N·m")
-    lower, upper = (-inf, inf) if joint.kind == "continuous" else _range(joint, unit, findings)
+    if joint.kind == "continuous":
+        lower, upper = -inf, inf
+        _check_endless(joint, findings)
+    else:
+        lower, upper = _range(joint, unit, findings)
+    _check_soft(joint, lower, upper, unit, findings)
     missing = []
     values = {}
     for key, value in (("velocity", joint.limit.velocity), ("effort", joint.limit.effort)):
@@ -70,7 +77,45 @@ def checked_limits(joint: Joint, findings: Findings) -> Limits:
         text = f"{'; '.join(missing)}: taken as no limit"
         remedy = f'write the datasheet\'s: <limit velocity="…" effort="…"/> in {unit}/s and {force}'
         findings.assume(joint_named(joint.name), joint.limit.line, text, remedy)
+    _check_effort(joint, values["effort"], force, findings)
     return Limits(lower, upper, values["velocity"], values["effort"])
+
+
+def _check_endless(joint: Joint, findings: Findings) -> None:
+    """Say where a joint has limits that its type doesn't have."""
+    if joint.limit.lower or joint.limit.upper:
+        lower, upper = joint.limit.lower or 0.0, joint.limit.upper or 0.0
+        text = f"it is continuous, which has no limits: lower {figure(lower)} and upper "
+        text += f"{figure(upper)} rad don't count"
+        remedy = 'write type="revolute" if it is to stay within them'
+        findings.note(joint_named(joint.name), joint.limit.line, text, remedy)
+
+
+def _check_soft(joint: Joint, lower: float, upper: float, unit: str, findings: Findings) -> None:
+    """Say where the safety controller of a real arm would keep it within less."""
+    low, high = joint.soft.lower, joint.soft.upper
+    low, high = -inf if low is None else low, inf if high is None else high
+    if low > lower or high < upper:
+        low, high = max(low, lower), min(high, upper)
+        text = (
+            f"its safety controller keeps it within {figure(low)} to {figure(high)} {unit}, which "
+            "is no part of the model"
+        )
+        remedy = "write these as lower and upper of <limit> if they are to count"
+        findings.note(joint_named(joint.name), joint.soft.line, text, remedy)
+
+
+def _check_effort(joint: Joint, effort: float, force: str, findings: Findings) -> None:
+    """Say where an experiment can't have a joint's effort as its torque limit."""
+    least, most = bounds(Robot, "torque_limit")
+    if effort < inf and not least <= effort <= most:
+        text = (
+            f"effort is {figure(effort)} {force}; torque limits of an experiment are "
+            f"{figure(least)} to {figure(most)} {force}: there it counts as "
+            f"{figure(min(max(effort, least), most))}"
+        )
+        remedy = f"write the datasheet's effort in {force}; leave it out where there is no limit"
+        findings.note(joint_named(joint.name), joint.limit.line, text, remedy)
 
 
 def _range(joint: Joint, unit: str, findings: Findings) -> tuple[float, float]:

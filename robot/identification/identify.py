@@ -10,6 +10,7 @@ import numpy as np
 
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.arm.section import Robot
+from slidetune.robot.identification.beside_bound import asked, beside_bounds
 from slidetune.robot.identification.filtering import kinematics_of
 from slidetune.robot.identification.numbers import (
     PARTS,
@@ -17,6 +18,7 @@ from slidetune.robot.identification.numbers import (
     names_of,
     part_of,
     title_of,
+    titles_of,
     unit_of,
     values_of,
 )
@@ -225,9 +227,8 @@ def _told(
             if beyond is None:
                 break
             fitted[beyond] = False
-            middle, half = solution.free[beyond], solution.deviation[beyond]
             reasons[beyond] = (
-                f"the log asks for {middle:.3g} ± {half:.2g}, beyond what is allowed: the model "
+                f"the log asks for {asked(solution, beyond)}, beyond what is allowed: the model "
                 "lacks something, and its present value is kept"
             )
             continue
@@ -235,7 +236,7 @@ def _told(
         fitted[fixed] = False
         others = [member for member in members if member != fixed and fitted[member]]
         if others:
-            told = " and ".join(title_of(names[member]) for member in others)
+            told = titles_of(names, others)
             reasons[fixed] = f"the log can't tell it from {told}: its present value is kept"
             for member in others:
                 given.setdefault(member, []).append(fixed)
@@ -243,9 +244,8 @@ def _told(
             reasons[fixed] = "the log does not excite it: its present value is kept"
     for member, fixes in given.items():
         if fitted[member]:
-            told = " and ".join(title_of(names[fixed]) for fixed in fixes)
-            reasons[member] = f"given the present value of {told}"
-    return solution, reasons
+            reasons[member] = f"given the present value of {titles_of(names, fixes)}"
+    return beside_bounds(solution, names, fitted, ends, much, reasons), reasons
 
 
 def _beyond(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> int | None:

@@ -6,6 +6,7 @@ joint.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,11 @@ def title_of(path: str) -> str:
         "coulomb_friction": "Coulomb friction",
     }
     return f"{words[part]} of joint {int(last) + 1}"
+
+
+def titles_of(names: Sequence[str], numbers: Sequence[int]) -> str:
+    """Return what several numbers are called, in words."""
+    return " and ".join(title_of(names[number]) for number in numbers)
 
 
 def unit_of(robot: Robot, path: str) -> str:

@@ -8,12 +8,15 @@ from typing import Literal
 import numpy as np
 
 from slidetune.robot.arm.arm import flange_positions
+from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.packed import Packed
+from slidetune.robot.logs.pieces import in_gaps, pieces_of, pooled
 from slidetune.robot.logs.shift import Shift, find_shift, motion_of
 from slidetune.robot.loop.metrics import Metrics, measure_lane, no_figures
 from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
+from slidetune.robot.recordings.turns import TURN, turns_said, whole_turns
 
 Array = np.ndarray
 Against = Literal["auto", "experiment", "log"]
@@ -29,7 +32,7 @@ class MeasuredLane:
     Attributes:
         name: of the log.
         time: the experiment's time in [s], evenly spaced but for the log's jitter. Shape (m,).
-        q: joint angles in [rad]. Shape (m, n).
+        q: joint angles in [rad], of the experiment's turn. Shape (m, n).
         v: joint velocities in [rad/s]. Shape (m, n).
         tau: torques in [N m], NaN where the log has none. Shape (m, n).
         e: errors ``q_d - q`` in [rad]. Shape (m, n).
@@ -38,6 +41,7 @@ class MeasuredLane:
         v_d: desired velocities in [rad/s]. Shape (m, n).
         flange: flange positions of the experiment's arm in [m]. Shape (m, 3).
         flange_desired: desired ones in [m]. Shape (m, 3).
+        known: whether a row is the log's, and not between the ends of a gap. Shape (m,).
         high_frequency: above which torque counts as chattering in [Hz].
         against: whose desired motion counts: the experiment's, or the log's own.
         shift: how it was found that log and experiment begin together.
@@ -55,6 +59,7 @@ class MeasuredLane:
     v_d: Array
     flange: Array
     flange_desired: Array
+    known: Array
     high_frequency: float
     against: Literal["experiment", "log"]
     shift: Shift
@@ -68,16 +73,24 @@ class MeasuredLane:
     def metrics_between(self, start: float = -np.inf, end: float = np.inf) -> Metrics:
         """Return the figures from ``start`` to ``end`` [s].
 
-        They are NaN where the log has no rows; those of the torque where it has none.
+        Gaps are left out. They are NaN where the log has no rows; those of the torque where it has
+        none.
         """
         slack = 1e-9
-        rows = slice(
-            int(np.searchsorted(self.time, start - slack)),
-            int(np.searchsorted(self.time, end + slack)),
-        )
+        first = int(np.searchsorted(self.time, start - slack))
+        last = int(np.searchsorted(self.time, end + slack))
+        found = pieces_of(self.known[first:last])
+        pieces = [slice(first + piece.start, first + piece.stop) for piece in found]
+        if not pieces:
+            return no_figures(self.q.shape[1])
+        parts = [self._metrics_of(piece) for piece in pieces]
+        if len(parts) == 1:
+            return parts[0]
+        times = [self.time[piece] for piece in pieces]
+        return pooled(parts, times, [self.e[piece] for piece in pieces])
+
+    def _metrics_of(self, rows: slice) -> Metrics:
         time, joints = self.time[rows], self.q.shape[1]
-        if len(time) < 2:
-            return no_figures(joints)
         torque = np.ascontiguousarray(self.tau[rows])
         known = bool(np.isfinite(torque).all())
         names = ("e", "de", "flange", "flange_desired")
@@ -122,12 +135,19 @@ def measured_lane(
             f"{recording.name}: has no desired angles of its own (q_d1 or target_q_0, say): "
             "compare it with the experiment's"
         )
-    time, blocks, remarks = _even(recording)
+    time, blocks, gone, remarks = _even(recording)
+    arm = arm_named(packed.experiment.robot.model)
+    turning = ~np.array(arm.slides)
     if shift is None:
-        found, said = _found(recording, packed)
+        found, said = _found(recording, packed, turning)
         remarks += said
     else:
-        found = Shift(shift, np.nan, ())
+        motion = motion_of(packed)(recording.time + shift)[0]
+        apart = whole_turns(_followed(recording) - motion, turning)
+        found = Shift(shift, np.nan, (), apart)
+    remarks += turns_said(found.turns, arm.joint_names, "the angle", "the experiment's")
+    for name in blocks.keys() & {"q", "q_d"}:
+        blocks[name] = blocks[name] - TURN * found.turns
     q, given_d = blocks["q"], blocks.get("q_d")
     if "v" not in blocks:
         remarks.append("velocities are differences of the angles: the log has none")
@@ -150,6 +170,7 @@ def measured_lane(
         v_d=v_d,
         flange=flange_positions(q, packed.places),
         flange_desired=flange_positions(q_d, packed.places),
+        known=~gone,
         high_frequency=packed.experiment.simulation.high_frequency,
         against="log" if whose == "log" else "experiment",
         shift=found,
@@ -157,12 +178,18 @@ def measured_lane(
     )
 
 
-def _found(recording: Recording, packed: Packed) -> tuple[Shift, list[str]]:
+def _followed(recording: Recording) -> Array:
+    """Return the angles that are compared with the experiment's motion: asked for, or measured."""
+    return recording.q if recording.q_d is None else recording.q_d
+
+
+def _found(recording: Recording, packed: Packed, turning: Array) -> tuple[Shift, list[str]]:
     own = recording.q_d is not None
-    angles = recording.q if recording.q_d is None else recording.q_d
     horizon = packed.experiment.simulation.horizon
     try:
-        found = find_shift(recording.time, angles, motion_of(packed), horizon)
+        found = find_shift(
+            recording.time, _followed(recording), motion_of(packed), horizon, turning
+        )
     except RecordingError as error:
         raise error.within(recording.name) from error
     remarks = []
@@ -176,19 +203,25 @@ def _found(recording: Recording, packed: Packed) -> tuple[Shift, list[str]]:
     return found, remarks
 
 
-def _even(recording: Recording) -> tuple[Array, dict[str, Array], list[str]]:
-    """Return times and all blocks at them; rows that are nearly even stay as they are."""
+def _even(recording: Recording) -> tuple[Array, dict[str, Array], Array, list[str]]:
+    """Return times, all blocks at them, and which are in gaps; rows that are even stay as is."""
     time = recording.time
     names = ("q", "v", "tau", "q_d", "v_d")
     blocks = {n: b for n in names if (b := getattr(recording, n)) is not None}
     steps = np.diff(time)
     usual = float(np.median(steps))
     if np.abs(steps - usual).max() <= _UNEVEN * usual:
-        return time, blocks, []
+        return time, blocks, np.zeros(len(time), dtype=bool), []
     count = max(round(float(time[-1]) / usual), 1) + 1
     even = np.linspace(0.0, time[-1], count)
     made = {
         name: np.stack([np.interp(even, time, column) for column in block.T], axis=1)
         for name, block in blocks.items()
     }
-    return even, made, [f"uneven rows: lines between them at {1.0 / (even[1] - even[0]):.4g} Hz"]
+    remarks = [f"uneven rows: lines between them at {1.0 / (even[1] - even[0]):.4g} Hz"]
+    gone = in_gaps(even, time)
+    if gone.any():
+        remarks.append(
+            f"curves cross gaps in lines; figures leave them out, {gone.mean():.0%} of the time"
+        )
+    return even, made, gone, remarks

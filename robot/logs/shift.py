@@ -11,6 +11,7 @@ from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.motion.along import desired_motion
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
+from slidetune.robot.recordings.turns import TURN
 
 Array = np.ndarray
 Motion = Callable[[Array], tuple[Array, Array]]
@@ -40,11 +41,13 @@ class Shift:
         seconds: what is added to the log's time to have the motion's.
         rms: effective difference of the angles there in [rad].
         others: shifts that fit as well, as of a motion that repeats itself, in [s].
+        turns: by how many turns the log's angles are above the motion's there. Shape (n,).
     """
 
     seconds: float
     rms: float
     others: tuple[float, ...]
+    turns: Array
 
 
 def motion_of(packed: Packed) -> Motion:
@@ -72,13 +75,16 @@ def motion_of_log(recording: Recording) -> Motion:
     return at
 
 
-def find_shift(time: Array, q: Array, motion: Motion, duration: float) -> Shift:
+def find_shift(
+    time: Array, q: Array, motion: Motion, duration: float, turning: Array | None = None
+) -> Shift:
     r"""Return the shift at which a log follows a motion most closely, finer than its rows.
 
-    .. math:: \min_s \sum_k |q(t_k) - q_d(t_k + s)|^2
+    .. math:: \min_{s, z} \sum_k |q(t_k) - 2\pi z - q_d(t_k + s)|^2
 
     The sum is searched at all multiples of a row's time, by cross-correlation; the least one by
-    Gauss and Newton's method goes on from there. Of shifts that fit equally well the smallest
+    Gauss and Newton's method goes on from there. The whole turns z are the best ones of each shift;
+    a log that fits as well without any has none. Of shifts that fit equally well the smallest
     counts.
 
     Args:
@@ -86,6 +92,8 @@ def find_shift(time: Array, q: Array, motion: Motion, duration: float) -> Shift:
         q: its angles in [rad]. Shape (m, n).
         motion: what it is compared with, at any time.
         duration: how long that lasts from 0 on in [s].
+        turning: which joints turn, so that their angles may be whole turns apart; none by default.
+            Shape (n,).
 
     Raises:
         RecordingError: if one of them stands still, so that every shift is as good, or none of
@@ -102,28 +110,40 @@ def find_shift(time: Array, q: Array, motion: Motion, duration: float) -> Shift:
     desired = motion(even[0] + dt * (first + np.arange(count + len(even) - 1)))[0]
     if np.ptp(rows, axis=0).max() < _STILL or np.ptp(desired, axis=0).max() < _STILL:
         raise RecordingError("nothing moves, so that no shift can be found: give it by hand")
-    sums = _differences(rows, desired)
-    if int(np.argmin(sums)) in (0, len(sums) - 1):
+    plain, mean = _differences(rows, desired)
+    turns = np.zeros_like(mean)
+    if turning is not None:
+        turns = np.where(turning, np.round(mean / TURN), 0.0)
+    # The sum of squares is a parabola of the turns, least at the mean.
+    turned = plain + len(rows) * ((mean - TURN * turns) ** 2 - mean**2).sum(axis=1)
+    kinds = [(plain, np.zeros_like(turns))] + ([(turned, turns)] if turns.any() else [])
+    inside = [one for one in kinds if 0 < int(np.argmin(one[0])) < len(plain) - 1]
+    if not inside:
         raise RecordingError(
             f"no shift fits at which both have {overlap:.3g} s in common: is it a log of this "
             "motion? Give the shift by hand"
         )
     few = slice(None, None, len(time) // _MOST_ROWS + 1)
-    found = [
-        _refined(time[few], q[few], motion, shifts[at], dt) for at in _candidates(sums, shifts)
-    ]
-    best = min(rms for _, rms in found)
-    usual = float(np.sqrt(np.median(sums) / rows.size))
+    found = []
+    for sums, z in inside:
+        for at in _candidates(sums, shifts):
+            seconds, rms = _refined(time[few], q[few] - TURN * z[at], motion, shifts[at], dt)
+            found.append((seconds, rms, z[at]))
+    best = min(rms for _, rms, _ in found)
+    usual = float(np.sqrt(np.median(inside[-1][0]) / rows.size))
     good = [one for one in found if one[1] <= best + _AS_GOOD * max(usual - best, 0.0)]
-    seconds, rms = min(good, key=lambda one: abs(one[0]))
+    seconds, _, z = min(good, key=lambda one: (bool(one[2].any()), abs(one[0])))
     apart = {round(float(one[0]), 6) for one in good if abs(one[0] - seconds) > dt}
     others = sorted(apart, key=abs)
-    seconds, rms = _refined(time, q, motion, seconds, dt)
-    return Shift(float(seconds), float(rms), tuple(others))
+    seconds, rms = _refined(time, q - TURN * z, motion, seconds, dt)
+    return Shift(float(seconds), float(rms), tuple(others), z)
 
 
-def _differences(rows: Array, desired: Array) -> Array:
-    """Return the sum of squared differences at every shift. Shapes (m, n), (m + k - 1, n), (k,)."""
+def _differences(rows: Array, desired: Array) -> tuple[Array, Array]:
+    """Return the sum of squared differences and their mean at every shift.
+
+    Shapes (m, n), (m + k - 1, n) to (k,), (k, n).
+    """
     from scipy.signal import fftconvolve  # here, because it takes long to import
 
     count = len(rows)
@@ -133,7 +153,10 @@ def _differences(rows: Array, desired: Array) -> Array:
         fftconvolve(desired[:, j], rows[::-1, j], mode="valid") for j in range(rows.shape[1])
     )
     squares = np.concatenate([[0.0], np.cumsum((desired**2).sum(axis=1))])
-    return np.asarray((rows**2).sum() - 2.0 * products + squares[count:] - squares[:-count])
+    heights = np.vstack([np.zeros(rows.shape[1]), np.cumsum(desired, axis=0)])
+    mean = rows.mean(axis=0) - (heights[count:] - heights[:-count]) / count
+    sums = (rows**2).sum() - 2.0 * products + squares[count:] - squares[:-count]
+    return np.asarray(sums), np.asarray(mean)
 
 
 def _candidates(sums: Array, shifts: Array) -> list[int]:

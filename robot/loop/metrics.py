@@ -41,8 +41,11 @@ class Metrics:
             ``reaching_times``. Shape (6,).
         flange_rms: effective distance of the flange from the desired one in [m].
         flange_max: greatest distance in [m].
-        rms_torque: effective torque in [N m]; the control effort, the integral of its square, is
-            ``rms_torque**2`` times the span. Shape (6,).
+        rms_torque: effective torque of the rows in [N m], each of which stands for one step, as in
+            all means. The control effort, the integral of its square, is ``rms_torque**2`` times
+            the rows times the step: exactly, where the torque is held over each step; of a
+            continuous one half a step of the first and the last row more than by the trapezoidal
+            rule. Shape (6,).
         itae: integral of time, from the begin of the span, times absolute error (ITAE; Graham and
             Lathrop 1953), by the trapezoidal rule, in [rad s^2]. Shape (6,).
         diverged_at: when the lane left its bounds in [s], or ``None``.

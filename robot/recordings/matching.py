@@ -23,6 +23,8 @@ _MAPPED = {
     "current": (CURRENT, False),
     "desired": DESIRED,
 }
+_UNMAPPED = ((VELOCITY, True),)
+_SLOTS = (*dict.fromkeys(_MAPPED.values()), *_UNMAPPED)
 TIME = "time"
 _UNITS = {
     (ANGLE, False): "angle",
@@ -35,6 +37,15 @@ _UNITS = {
     (CURRENT, True): "current",
 }
 """What is measured, by quantity and whether the joint slides."""
+_SI = {
+    "angle": "rad",
+    "place": "m",
+    "angle rate": "rad/s",
+    "place rate": "m/s",
+    "torque": "N·m",
+    "force": "N",
+    "current": "A",
+}
 
 
 @dataclass(frozen=True)
@@ -44,11 +55,13 @@ class Layout:
     Attributes:
         columns: number of the column of each joint, by quantity. Every list is complete.
         factors: what makes SI units of each, by quantity.
+        assumed: the units taken where headers have none, by quantity.
         remarks: what was left out or assumed, in words.
     """
 
     columns: dict[Slot, list[int]]
     factors: dict[Slot, list[float]]
+    assumed: dict[Slot, tuple[str, ...]]
     remarks: tuple[str, ...] = field(default=())
 
 
@@ -74,7 +87,8 @@ def match(
         angles: unit of angles whose header has none.
 
     Raises:
-        RecordingError: if not every joint has an angle, saying which columns there are.
+        RecordingError: if not every joint has an angle, saying which columns there are; if numbers
+            count from 0 to as many as there are joints, so that either end may be the one too many.
     """
     found = [meaning_of(name, joints) for name in names]
     chosen = _source(found, len(joints), source)
@@ -88,7 +102,7 @@ def match(
         elif places and slot not in (MEASURED, DESIRED):
             lacking = [joints[joint] for joint in range(len(joints)) if joint not in places]
             remarks.append(f"{slot[0]} is left out: {listed(lacking)} has none")
-    for slot in ((VELOCITY, True),):
+    for slot in _UNMAPPED:
         places = _said(found, slot, chosen, names, len(joints), given)
         if len(places) == len(joints):
             columns[slot] = [places[joint] for joint in range(len(joints))]
@@ -105,10 +119,21 @@ def match(
         ]
         for slot, places in columns.items()
     }
-    bare = [units[c] for slot in (MEASURED, DESIRED) for c in columns.get(slot, [])]
-    if not angles and not all(bare) and not all(slides):
-        remarks.append("angles without a unit are taken as rad")
-    return Layout(columns, factors, tuple(remarks))
+    unused = [column for slot in _SLOTS for column in _surplus(found, slot, chosen, joints, given)]
+    if unused:
+        left = listed([names[column] for column in sorted(unused)])
+        remarks.append(f"not used, as the arm has {len(joints)} joints: {left}")
+    assumed = {
+        slot: tuple(
+            dict.fromkeys(
+                _bare(slot, slide, angles)
+                for column, slide in zip(places, slides, strict=True)
+                if not units[column]
+            )
+        )
+        for slot, places in columns.items()
+    }
+    return Layout(columns, factors, assumed, tuple(remarks))
 
 
 def _source(found: Sequence[Meaning | None], joints: int, wanted: str | None) -> str:
@@ -144,15 +169,17 @@ def _said(
     given: Mapping[Slot, Mapping[int, int]],
 ) -> dict[int, int]:
     """Return the column of each joint, as far as headers say it."""
-    fitting = [
-        (column, meaning)
-        for column, meaning in enumerate(found)
-        if meaning is not None
-        and (meaning.quantity, meaning.reference) == slot
-        and meaning.source in (source, "")
-    ]
-    begin = 0 if any(meaning.index == 0 for _, meaning in fitting) else 1
-    taken = {column for places in given.values() for column in places.values()}
+    fitting = _fitting(found, slot, source)
+    begin = _first(fitting)
+    taken = _taken(given)
+    numbers = {meaning.index for column, meaning in fitting if column not in taken}
+    if numbers == set(range(joints + 1)) and len(given.get(slot, {})) < joints:
+        headers = listed([names[column] for column, _ in fitting])
+        raise RecordingError(
+            f"{headers}: numbers from 0 to {joints} for {joints} joints, of which the first or the "
+            "last may be the one too many: say by a mapping which column is which joint's",
+            names=tuple(names),
+        )
     places: dict[int, int] = {}
     for column, meaning in fitting:
         joint = meaning.joint if meaning.index is None else meaning.index - begin
@@ -168,6 +195,43 @@ def _said(
             )
         places[joint] = column
     return places
+
+
+def _fitting(found: Sequence[Meaning | None], slot: Slot, source: str) -> list[tuple[int, Meaning]]:
+    """Return the columns of a quantity, of any joint."""
+    return [
+        (column, meaning)
+        for column, meaning in enumerate(found)
+        if meaning is not None
+        and (meaning.quantity, meaning.reference) == slot
+        and meaning.source in (source, "")
+    ]
+
+
+def _first(fitting: Sequence[tuple[int, Meaning]]) -> int:
+    """Return from which number on the columns of a quantity count."""
+    return 0 if any(meaning.index == 0 for _, meaning in fitting) else 1
+
+
+def _taken(given: Mapping[Slot, Mapping[int, int]]) -> set[int]:
+    return {column for places in given.values() for column in places.values()}
+
+
+def _surplus(
+    found: Sequence[Meaning | None],
+    slot: Slot,
+    source: str,
+    joints: Sequence[str],
+    given: Mapping[Slot, Mapping[int, int]],
+) -> list[int]:
+    """Return the columns of a quantity whose number is beyond the arm's joints."""
+    fitting, taken = _fitting(found, slot, source), _taken(given)
+    last = _first(fitting) + len(joints) - 1
+    return [
+        column
+        for column, meaning in fitting
+        if meaning.index is not None and meaning.index > last and column not in taken
+    ]
 
 
 def _given(
@@ -216,9 +280,7 @@ def column_named(header: str, names: Sequence[str]) -> int:
 
 def _factor(name: str, unit: str, slot: Slot, slides: bool, angles: str) -> float:
     measured = _UNITS[slot[0], slides]
-    if not unit and measured == "angle":
-        unit = angles
-    factor = factor_of(unit, measured)
+    factor = factor_of(unit or _bare(slot, slides, angles), measured)
     if factor is None:
         raise RecordingError(
             f"its unit {quoted(unit)} is none of {measured}: write it as q1 [rad] or q1 [deg], "
@@ -226,6 +288,14 @@ def _factor(name: str, unit: str, slot: Slot, slides: bool, angles: str) -> floa
             column=name,
         )
     return factor
+
+
+def _bare(slot: Slot, slides: bool, angles: str) -> str:
+    """Return the unit of a quantity without one: angles' own, and per second, of what turns."""
+    measured = _UNITS[slot[0], slides]
+    if angles and measured in ("angle", "angle rate"):
+        return angles if measured == "angle" else f"{angles}/s"
+    return _SI[measured]
 
 
 def _no_angles(

@@ -11,15 +11,17 @@ import numpy as np
 from slidetune.robot.arm.chain import turned_axis
 from slidetune.robot.arm.known import KnownArm
 from slidetune.robot.recordings.csv_file import CsvFile
-from slidetune.robot.recordings.headers import CURRENT, TORQUE, VELOCITY
+from slidetune.robot.recordings.headers import ANGLE, CURRENT, TORQUE, VELOCITY
 from slidetune.robot.recordings.limits import FEWEST_ROWS, MCAP_MAGIC, beginning_of
 from slidetune.robot.recordings.matching import DESIRED, MEASURED, Layout, Slot, match
 from slidetune.robot.recordings.mcap_file import McapFile
 from slidetune.robot.recordings.refused import RecordingError
 from slidetune.robot.recordings.stamps import clock_of, seconds_of
+from slidetune.robot.recordings.turns import TURN, turns_said, whole_turns
 
 Array = np.ndarray
 
+_PLURAL = {ANGLE: "angles", VELOCITY: "velocities", TORQUE: "torques", CURRENT: "currents"}
 _FASTEST_LOOKING = 4.0 * np.pi
 """Angle in [rad] beyond which values look like degrees (*ours*): two turns either way."""
 
@@ -32,7 +34,7 @@ class Wanted:
         mapping: column by what it holds: ``time``, ``joint``, ``joint.velocity``, ``joint.torque``,
             ``joint.current``, ``joint.desired``; a joint is its name or its number from 1.
         source: topic of an MCAP file, or what stands before the names of the columns that count.
-        angles: unit of angles without one, ``deg`` or ``rad``.
+        angles: unit of angles without one, ``deg`` or ``rad``; per s of velocities without one.
         time: unit of a time without one: s, ms, us or ns.
     """
 
@@ -54,7 +56,7 @@ class Recording:
         v: velocities in [rad/s], or ``None``. Shape (m, n).
         tau: torques in [N m], or ``None``. Shape (m, n).
         current: currents in [A], or ``None``. Shape (m, n).
-        q_d: angles asked for in [rad], or ``None``. Shape (m, n).
+        q_d: angles asked for in [rad], of the turn of the measured ones, or ``None``. Shape (m, n).
         v_d: velocities asked for in [rad/s], or ``None``. Shape (m, n).
         remarks: what was assumed and what was left out, in words.
     """
@@ -135,10 +137,17 @@ def _read(path: Path, arm: KnownArm, wanted: Wanted) -> Recording:
     time, _, more = seconds_of(clock, clocked, rows)
     blocks = _blocks(values[:, len(clock.columns) :], layout, width)
     found = _kept(blocks, layout, rows, file.names, remarks)
+    remarks += _units_said(layout, found, wanted.angles)
     measured = MEASURED in found
     for slot in (DESIRED, MEASURED):
         if slot in found:
-            found[slot] = _unwound(found[slot], slides, joints, remarks)
+            prefix = "the desired angle of " if slot == DESIRED else ""
+            named = [f"{prefix}{joint}" for joint in joints]
+            found[slot] = _unwound(found[slot], slides, named, remarks)
+    if measured and DESIRED in found:
+        turns = whole_turns(found[DESIRED] - found[MEASURED], ~np.array(slides))
+        found[DESIRED] = found[DESIRED] - TURN * turns
+        remarks += turns_said(turns, joints, "the desired angle", "the measured one")
     q = found[MEASURED if measured else DESIRED]
     if not measured:
         remarks.append("no measured angles: those that were asked for are taken")
@@ -195,6 +204,19 @@ def _kept(
     return kept
 
 
+def _units_said(layout: Layout, found: Mapping[Slot, Array], angles: str) -> list[str]:
+    """Say which units were taken where headers have none, but for those that were asked for."""
+    taken: dict[str, dict[str, None]] = {}
+    for slot, units in layout.assumed.items():
+        asked = {angles} if slot in (MEASURED, DESIRED) else set()
+        if slot in found and not set(units) <= asked:
+            taken.setdefault(_PLURAL[slot[0]], {}).update(dict.fromkeys(units))
+    if not taken:
+        return []
+    said = ", ".join(f"{what} as {' or '.join(units)}" for what, units in taken.items())
+    return [f"taken where no unit is given: {said}"]
+
+
 def _check_finite(block: Array, rows: Array, headers: list[str]) -> None:
     wrong = np.argwhere(~np.isfinite(block))
     if len(wrong):
@@ -217,10 +239,9 @@ def _unwound(q: Array, slides: list[bool], joints: list[str], remarks: list[str]
         if not sliding and jumps[:, joint].any():
             q = q.copy()
             q[:, joint] = np.unwrap(q[:, joint])
-            remarks.append(
-                f"{joints[joint]} jumps by a turn {int(jumps[:, joint].sum())} times: taken as one "
-                "motion"
-            )
+            count = int(jumps[:, joint].sum())
+            often = "once" if count == 1 else f"{count} times"
+            remarks.append(f"{joints[joint]} jumps by a turn {often}: taken as one motion")
     return q
 
 

@@ -22,7 +22,7 @@ SLOWEST = 0.5
 """Longest step in [s] that is believed of a time without a unit (*ours*): slower looks like ms."""
 _UNEVEN = 0.2
 """Share by which steps may differ and still count as even (*ours*)."""
-_GAP = 10.0
+GAP = 10.0
 """So many times the usual step is a gap (*ours*)."""
 
 
@@ -153,7 +153,7 @@ def _guessed(stamps: Array, clock: Clock, rows: Array) -> float:
 
 def _unevenness(time: Array, steps: Array, rows: Array) -> list[str]:
     usual, longest = float(np.median(steps)), float(steps.max())
-    if longest > _GAP * usual:
+    if longest > GAP * usual:
         at = int(np.argmax(steps))
         return [
             f"a gap of {longest:.3g} s before row {rows[at + 1]} ({time[at]:.3g} s), where steps "

@@ -31,7 +31,9 @@ class LogWanted(Strict):
     source: Text | None = Field(
         None, description="The topic of an MCAP file, or what stands before the names that count."
     )
-    angles: Literal["", "rad", "deg"] = Field("", description="Unit of angles without one.")
+    angles: Literal["", "rad", "deg"] = Field(
+        "", description="Unit of angles without one; velocities without one have it per s."
+    )
     time: Literal["", "s", "ms", "us", "ns"] = Field("", description="Unit of time without one.")
 
 

@@ -28,7 +28,11 @@ SourceOption = Annotated[
     typer.Option(metavar="NAME", help="Topic that counts, or what stands before the columns."),
 ]
 AnglesOption = Annotated[
-    str, typer.Option(metavar="UNIT", help="Unit of angles whose header has none: rad or deg.")
+    str,
+    typer.Option(
+        metavar="UNIT",
+        help="Unit of angles (and, per s, of velocities) whose header has none: rad or deg.",
+    ),
 ]
 TimeOption = Annotated[
     str, typer.Option("--time", metavar="UNIT", help="Unit of a time without one: s, ms, us or ns.")

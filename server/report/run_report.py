@@ -152,8 +152,10 @@ def print_report(document: Document, console: Console) -> None:
     each = f"J1 to J{joints} are the joints" if joints > 1 else "J1 is its joint"
     console.print(Text(f"Figures over {span}; {each}."))
     if len(set(slides)) > 1:
-        sliding = ", ".join(f"J{joint}" for joint, slide in enumerate(slides, 1) if slide)
-        text = f"The second unit is that of {sliding}, which slide; a total mixes both."
+        sliding = [f"J{joint}" for joint, slide in enumerate(slides, 1) if slide]
+        verb = "slides" if len(sliding) == 1 else "slide"
+        which = " and ".join(part for part in (", ".join(sliding[:-1]), sliding[-1]) if part)
+        text = f"The second unit is that of {which}, which {verb}; a total mixes both."
         console.print(Text(text))
     console.print(_per_joint(lanes, slides))
     console.print(_overall(lanes, slides))

@@ -106,6 +106,7 @@ class Joint:
         limit: what the file has; its line is the joint's where the element is missing.
         mimic: the joint that it follows, with the line of that element.
         losses: damping and friction of ``dynamics``, with the line of that element.
+        soft: the limits of ``safety_controller``, as far as it has any.
     """
 
     name: str
@@ -119,6 +120,7 @@ class Joint:
     limit: Limit
     mimic: tuple[str, int] | None
     losses: tuple[float, float, int]
+    soft: Limit
 
     @property
     def free(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from slidetune.robot.doctor.urdf.description import Pose, Vector
+from slidetune.robot.doctor.urdf.description import Vector
 from slidetune.robot.doctor.urdf.finding import Findings
 from slidetune.robot.doctor.urdf.xml_tree import Element
 from slidetune.robot.fields.written_value import written
@@ -17,7 +17,13 @@ _SMALLEST = 1e-300
 
 
 def numbers(
-    element: Element, attribute: str, count: int, where: str, findings: Findings, unit: str = ""
+    element: Element,
+    attribute: str,
+    count: int,
+    where: str,
+    findings: Findings,
+    unit: str = "",
+    instead: str = "",
 ) -> tuple[float, ...] | None:
     """Return the numbers of an attribute.
 
@@ -28,6 +34,7 @@ def numbers(
         where: the link or joint, for the finding.
         findings: takes a refusal of what are no numbers.
         unit: of each number.
+        instead: another way out, where a number isn't the only one.
 
     Returns:
         ``count`` numbers, ``None`` where they are missing or refused.
@@ -46,16 +53,22 @@ def numbers(
         element.line,
         f"{attribute} of <{written(element.tag)}> must be {allowed}{in_unit}, none beyond "
         f"{_LARGEST:g}, got {written(given) or 'nothing'}",
-        f"write {' '.join(['0.0'] * count)} or what it should be, with a point and no unit",
+        f"write {' '.join(['0.0'] * count)} or what it should be, with a point and no unit"
+        f"{f'; {instead}' if instead else ''}",
     )
     return None
 
 
 def number(
-    element: Element, attribute: str, where: str, findings: Findings, unit: str = ""
+    element: Element,
+    attribute: str,
+    where: str,
+    findings: Findings,
+    unit: str = "",
+    instead: str = "",
 ) -> float | None:
     """Return the one number of an attribute, as ``numbers`` does."""
-    values = numbers(element, attribute, 1, where, findings, unit)
+    values = numbers(element, attribute, 1, where, findings, unit, instead)
     return values[0] if values else None
 
 
@@ -65,13 +78,3 @@ def vector(
     """Return the three numbers of an attribute, as ``numbers`` does."""
     values = numbers(element, attribute, 3, where, findings, unit)
     return (values[0], values[1], values[2]) if values else None
-
-
-def pose(element: Element | None, where: str, findings: Findings) -> Pose:
-    """Return the place that ``origin`` of an element gives, zero where there is none."""
-    origin = element.first("origin") if element is not None else None
-    if origin is None:
-        return Pose()
-    xyz = vector(origin, "xyz", where, findings, "m")
-    rpy = vector(origin, "rpy", where, findings, "rad")
-    return Pose(xyz or Pose.xyz, rpy or Pose.rpy)

@@ -20,7 +20,8 @@ from slidetune.robot.doctor.urdf.finding import (
     link_named,
     names,
 )
-from slidetune.robot.doctor.urdf.numbers import number, numbers, pose, vector
+from slidetune.robot.doctor.urdf.numbers import number, numbers, vector
+from slidetune.robot.doctor.urdf.placing import pose, quaternions_count
 from slidetune.robot.doctor.urdf.xml_tree import Element
 from slidetune.robot.fields.written_value import written
 
@@ -37,9 +38,11 @@ def read_description(root: Element, findings: Findings) -> Description:
         root: the element ``robot``.
         findings: takes what is wrong; where it refuses, a value in the description may be zero.
     """
-    colors = _colors(root)
+    colors, turned = _colors(root), quaternions_count(root, findings)
     elements = _named(root.all("link"), "link", findings)
-    links = {name: _link(name, element, colors, findings) for name, element in elements.items()}
+    links = {
+        name: _link(name, element, colors, findings, turned) for name, element in elements.items()
+    }
     if not links:
         text = "the file has no links; an arm has a base and a link for each joint"
         findings.refuse("robot", root.line, text, "load the whole description of the arm")
@@ -48,7 +51,7 @@ def read_description(root: Element, findings: Findings) -> Description:
         findings.refuse("robot", root.line, text, "load a description of one arm")
     joints = {}
     for name, element in _named(root.all("joint"), "joint", findings).items():
-        joint = _joint(name, element, links, findings)
+        joint = _joint(name, element, links, findings, turned)
         if joint is not None:
             joints[name] = joint
     return Description(root.line, links, joints)
@@ -100,20 +103,24 @@ def _colors(root: Element) -> dict[str, Color]:
     return found
 
 
-def _link(name: str, element: Element, colors: dict[str, Color], findings: Findings) -> Link:
+def _link(
+    name: str, element: Element, colors: dict[str, Color], findings: Findings, turned: bool
+) -> Link:
     _check_once(element, ("inertial",), link_named(name), findings)
     shapes = {
-        tag: [_shape(part, name, colors, findings) for part in element.all(tag)]
+        tag: [_shape(part, name, colors, findings, turned) for part in element.all(tag)]
         for tag in ("visual", "collision")
     }
     visuals, collisions = (
         tuple(shape for shape in shapes[tag] if shape is not None) for tag in shapes
     )
-    inertial = _inertial(element.first("inertial"), name, findings)
+    inertial = _inertial(element.first("inertial"), name, findings, turned)
     return Link(name, element.line, inertial, visuals, collisions)
 
 
-def _inertial(element: Element | None, link: str, findings: Findings) -> Inertial | None:
+def _inertial(
+    element: Element | None, link: str, findings: Findings, turned: bool
+) -> Inertial | None:
     if element is None:
         return None
     where = link_named(link)
@@ -136,11 +143,11 @@ def _inertial(element: Element | None, link: str, findings: Findings) -> Inertia
     if value is None and mass is not None and "value" in mass.attributes:
         return None
     tensor = tuple(found[key] or 0.0 for key in _INERTIA)
-    return Inertial(element.line, pose(element, where, findings), value or 0.0, tensor)
+    return Inertial(element.line, pose(element, where, findings, turned), value or 0.0, tensor)
 
 
 def _shape(
-    element: Element, link: str, colors: dict[str, Color], findings: Findings
+    element: Element, link: str, colors: dict[str, Color], findings: Findings, turned: bool
 ) -> Shape | None:
     where, geometry = link_named(link), element.first("geometry")
     form = geometry.children[0] if geometry is not None and geometry.children else None
@@ -153,7 +160,7 @@ def _shape(
     color = _color(material)
     if color is None and material is not None:
         color = colors.get(material.attributes.get("name", ""))
-    place = pose(element, where, findings)
+    place = pose(element, where, findings, turned)
     if form.tag == "mesh":
         filename = form.attributes.get("filename", "")
         scale = vector(form, "scale", where, findings) or Shape.scale
@@ -197,7 +204,9 @@ def _end(element: Element, tag: str, links: dict[str, Link], findings: Findings)
     return name
 
 
-def _joint(name: str, element: Element, links: dict[str, Link], findings: Findings) -> Joint | None:
+def _joint(
+    name: str, element: Element, links: dict[str, Link], findings: Findings, turned: bool
+) -> Joint | None:
     where, kind = joint_named(name), element.attributes.get("type", "")
     parent, child = (_end(element, tag, links, findings) for tag in ("parent", "child"))
     if kind not in KINDS:
@@ -208,7 +217,7 @@ def _joint(name: str, element: Element, links: dict[str, Link], findings: Findin
         return None
     if parent is None or child is None:
         return None
-    once = ("origin", "parent", "child", "axis", "limit", "mimic", "dynamics")
+    once = ("origin", "parent", "child", "axis", "limit", "mimic", "dynamics", "safety_controller")
     _check_once(element, once, where, findings)
     axis, mimic = element.first("axis"), element.first("mimic")
     return Joint(
@@ -217,12 +226,13 @@ def _joint(name: str, element: Element, links: dict[str, Link], findings: Findin
         kind,
         parent,
         child,
-        pose(element, where, findings),
+        pose(element, where, findings, turned),
         vector(axis, "xyz", where, findings) if axis is not None else None,
         axis.line if axis is not None else element.line,
         _limit(element, where, findings),
         (mimic.attributes.get("joint", ""), mimic.line) if mimic is not None else None,
         _losses(element, where, findings),
+        _soft_limit(element, where, findings),
     )
 
 
@@ -243,5 +253,22 @@ def _limit(element: Element, where: str, findings: Findings) -> Limit:
     slides = element.attributes.get("type") == "prismatic"
     way, force = ("m", "N") if slides else ("rad", "N·m")
     units = {"lower": way, "upper": way, "velocity": f"{way}/s", "effort": force}
-    values = {key: number(limit, key, where, findings, unit) for key, unit in units.items()}
+    out = "where there is no limit leave it out"
+    ways = dict.fromkeys(("lower", "upper"), "where there is no limit leave out lower and upper")
+    values = {
+        key: number(limit, key, where, findings, unit, ways.get(key, out))
+        for key, unit in units.items()
+    }
     return Limit(limit.line, **values)
+
+
+def _soft_limit(element: Element, where: str, findings: Findings) -> Limit:
+    """Return the limits of the arm's own safety controller, as far as there are any."""
+    soft = element.first("safety_controller")
+    if soft is None:
+        return Limit(element.line)
+    unit = "m" if element.attributes.get("type") == "prismatic" else "rad"
+    lower, upper = (
+        number(soft, f"soft_{key}_limit", where, findings, unit) for key in ("lower", "upper")
+    )
+    return Limit(soft.line, lower, upper)

@@ -92,6 +92,22 @@ def test_a_continuous_joint_has_one_angle_and_no_limits(tmp_path: Path) -> None:
     assert arm.model.upperPositionLimit[0] == inf
 
 
+def test_an_endless_limit_is_refused_with_its_way_out(tmp_path: Path) -> None:
+    text = changed(SHOULDER_LIMIT, '<limit lower="-inf" upper="inf" effort="inf"/>')
+    ways = {one.text.split()[0]: one.remedy for one in only(examined(tmp_path, text), "refused")}
+    assert ways["lower"].endswith("where there is no limit leave out lower and upper")
+    assert ways["upper"] == ways["lower"]
+    assert ways["effort"].endswith("where there is no limit leave it out")
+    arm = examined(tmp_path, changed(SHOULDER_LIMIT, "<limit/>")).arm
+    assert arm is not None
+    assert (arm.lower[0], arm.upper[0], arm.effort[0]) == (-inf, inf, inf)
+
+
+def test_soft_limits_that_allow_as_much_need_no_words(tmp_path: Path) -> None:
+    soft = '<safety_controller soft_lower_limit="-2" soft_upper_limit="2.5" k_velocity="1"/>'
+    assert examined(tmp_path, changed(SHOULDER_LIMIT, SHOULDER_LIMIT + soft)).findings == ()
+
+
 def test_everything_wrong_is_said_at_once(tmp_path: Path) -> None:
     text = changed(AXIS, '<axis xyz="0 0 0"/>', changed('<mass value="1.0"/>', '<mass value="x"/>'))
     text = changed('izz="0.004"', 'izz="0.4"', text)

@@ -147,6 +147,29 @@ REFUSED = {
         "robot", "no joint moves between the base stone and the tip stone",
     ),
     "no links": (f'{HERE}<robot name="empty"/>', "robot", "the file has no links"),
+    "turned twice": (
+        changed('<robot name="two">', '<robot name="two" version="1.2">').replace(
+            '<origin xyz="0 0 0.4" rpy="0.1 0 0.2"/>',
+            f'{HERE}<origin xyz="0 0 0.4" rpy="0.1 0 0.2" quat_xyzw="0 0 0 1"/>',
+        ),
+        "joint elbow", "<origin> has rpy and quat_xyzw; it is turned by one of the two",
+    ),
+    "three numbers of a quaternion": (
+        changed('<robot name="two">', '<robot name="two" version="1.2">').replace(
+            '<origin xyz="0 0 0.15"/>', f'{HERE}<origin quat_xyzw="0 0 1"/>'
+        ),
+        "link fore", "quat_xyzw of <origin> must be 4 numbers with blanks between",
+    ),
+    "quaternion in a version that isn't known": (
+        changed('<robot name="two">', f'{HERE}<robot name="two" version="2.0">').replace(
+            '<origin xyz="0 0 0.1"/>', '<origin xyz="0 0 0.1" quat_xyzw="0 0 0 1"/>'
+        ),
+        "robot", "the file's version is 2.0, not 1.0, 1.1 or 1.2: whether its quat_xyzw, first",
+    ),
+    "endless limit": (
+        changed(SHOULDER_LIMIT, f'{HERE}<limit lower="-inf" upper="2"/>'),
+        "joint shoulder", "lower of <limit> must be one number in rad, none beyond 1e+30, got -inf",
+    ),
     "many orders apart": (
         chain(3).replace('<origin xyz="0 0 0.2"/>', '<origin xyz="0 1e-15 0"/>').replace(
             f'name="l3"><inertial><mass value="0.5"/>{UPPER_INERTIA}',
@@ -219,6 +242,22 @@ ASSUMED = {
         changed(SHOULDER_LIMIT, f'{SHOULDER_LIMIT}\n{HERE}<limit lower="-1" upper="1"/>'),
         "joint shoulder", "<limit> is there 2 times in <joint>; the first counts",
     ),
+    "quaternion without a version": (
+        changed('<origin xyz="0 0 0.1"/>', f'{HERE}<origin quat_xyzw="0 0 0.6 0.8"/>'),
+        "joint shoulder", "quat_xyzw counts from URDF 1.1 on, and <robot> has version 1.0 or none",
+    ),
+    "long quaternion": (
+        changed('<robot name="two">', '<robot name="two" version="1.2">').replace(
+            '<origin xyz="0 0 0.1"/>', f'{HERE}<origin quat_xyzw="0 0 3 4"/>'
+        ),
+        "joint shoulder", "quat_xyzw of <origin>, 0 0 3 4, has the length 5, not 1",
+    ),
+    "quaternion of no length": (
+        changed('<robot name="two">', '<robot name="two" version="1.2">').replace(
+            '<origin xyz="0 0 0.1"/>', f'{HERE}<origin quat_xyzw="0 0 0 0"/>'
+        ),
+        "joint shoulder", "quat_xyzw of <origin> is 0 0 0 0, of no length; taken as no turn",
+    ),
     "half an inertia": (
         changed(UPPER_INERTIA, f'{HERE}<inertia ixx="0.03" iyy="0.03" izz="0.004"/>'),
         "link upper", "<inertia> has no ixy, ixz, iyz in kg·m²; taken as 0",
@@ -228,6 +267,28 @@ NOTED = {
     "losses": (
         changed(SHOULDER_LIMIT, f'{SHOULDER_LIMIT}\n{HERE}<dynamics damping="0.5" friction="2"/>'),
         "joint shoulder", "its damping of 0.5 N·m·s/rad and friction of 2 N·m are no part",
+    ),
+    "limits of an endless joint": (
+        changed('name="shoulder" type="revolute"', 'name="shoulder" type="continuous"').replace(
+            SHOULDER_LIMIT, f"{HERE}{SHOULDER_LIMIT}"
+        ),
+        "joint shoulder", "it is continuous, which has no limits: lower -2 and upper 2 rad don't",
+    ),
+    "soft limits": (
+        changed(
+            SHOULDER_LIMIT,
+            f'{SHOULDER_LIMIT}\n{HERE}<safety_controller soft_lower_limit="-0.5" '
+            'soft_upper_limit="2.5" k_velocity="1"/>',
+        ),
+        "joint shoulder", "its safety controller keeps it within -0.5 to 2 rad, which is no part",
+    ),
+    "weak": (
+        changed(SHOULDER_LIMIT, f'{HERE}<limit lower="-2" upper="2" velocity="3" effort="0.002"/>'),
+        "joint shoulder", "effort is 0.002 N·m; torque limits of an experiment are 0.01 to 5000",
+    ),
+    "strong": (
+        changed(SHOULDER_LIMIT, f'{HERE}<limit lower="-2" upper="2" velocity="3" effort="1e20"/>'),
+        "joint shoulder", "effort is 1e+20 N·m; torque limits of an experiment are 0.01 to 5000",
     ),
     "degrees": (
         changed(SHOULDER_LIMIT, f'{HERE}<limit lower="-170" upper="90" velocity="3" effort="5"/>'),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from slidetune.robot.arm.arm import flange_positions
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.logs.measured import measured_lane
@@ -125,6 +126,58 @@ def test_uneven_rows_are_made_even_and_told(run: Run) -> None:
     assert np.ptp(np.diff(found.time)) < 1e-9
     assert any("uneven rows" in remark for remark in found.remarks)
     np.testing.assert_allclose(found.metrics.mae, run.lanes["A"].metrics.mae, rtol=0.02)
+
+
+def test_a_gap_is_no_part_of_the_figures(run: Run) -> None:
+    lane = run.lanes["A"]
+    kept = np.ones(len(run.time), dtype=bool)
+    kept[500:2500] = False  # half of the run
+    log = log_of(run, tau=lane.tau + 5.0 * np.sin(300.0 * run.time)[:, None])
+    blocks = {name: getattr(log, name)[kept] for name in ("time", "q", "v", "tau")}
+    found = measured_lane(replace(log, **blocks), pack(run.experiment), shift=0.0)
+    assert any("figures leave them out, 50% of the time" in one for one in found.remarks)
+    figures, rows = found.metrics, lane.e[kept]
+    np.testing.assert_allclose(figures.mae, np.abs(rows).mean(axis=0), rtol=1e-9)
+    np.testing.assert_allclose(figures.max_error, np.abs(rows).max(axis=0), rtol=1e-9)
+    tau = blocks["tau"]
+    np.testing.assert_allclose(figures.peak_torque, np.abs(tau).max(axis=0), rtol=1e-9)
+    np.testing.assert_allclose(figures.rms_torque, np.sqrt((tau**2).mean(axis=0)), rtol=1e-9)
+    flange_desired = flange_positions(run.q_d, pack(run.experiment).places)
+    away = np.linalg.norm(lane.flange - flange_desired, axis=1)[kept]
+    assert figures.flange_rms == pytest.approx(np.sqrt((away**2).mean()), rel=1e-9)
+    assert figures.flange_max == pytest.approx(away.max(), rel=1e-9)
+    way = sum(np.abs(np.diff(part, axis=0)).sum() for part in (tau[:500], tau[500:]))
+    period = run.time[1]
+    assert figures.chattering == pytest.approx(way / ((kept.sum() - 2) * period), rel=1e-9)
+    timed = run.time[:, None] * np.abs(lane.e)
+    parts = [
+        np.trapezoid(timed[part], dx=period, axis=0) for part in (slice(500), slice(2500, None))
+    ]
+    np.testing.assert_allclose(figures.itae, sum(parts), rtol=1e-6)
+    assert figures.high_frequency_torque is not None
+    within = found.metrics_between(0.0, 0.4)
+    np.testing.assert_allclose(within.mae, np.abs(lane.e[:401]).mean(axis=0), rtol=1e-9)
+    assert np.isnan(found.metrics_between(1.0, 2.0).mae).all()
+
+
+def test_whole_turns_between_log_and_motion_are_taken_out(run: Run) -> None:
+    lane, turn = run.lanes["A"], 2.0 * np.pi
+    apart = turn * np.array([1.0, 0.0, -2.0, 0.0, 0.0, 1.0])
+    packed = pack(run.experiment)
+    for log in (
+        log_of(run, q=lane.q + apart),
+        log_of(run, q=lane.q + apart, q_d=run.q_d + apart, v_d=run.v_d),
+    ):
+        for shift in (0.0, None):
+            found = measured_lane(log, packed, shift=shift)
+            assert found.shift.seconds == pytest.approx(0.0, abs=0.05)
+            np.testing.assert_array_equal(found.shift.turns, [1.0, 0.0, -2.0, 0.0, 0.0, 1.0])
+            if shift is not None or log.q_d is not None:
+                np.testing.assert_allclose(found.e, lane.e, atol=1e-6)
+                np.testing.assert_allclose(found.q, lane.q, atol=1e-12)
+            said = [one for one in found.remarks if "same turn" in one]
+            assert len(said) == 3
+            assert "the angle of joint_3 is 2 turns below the experiment's" in said[1]
 
 
 def test_a_log_without_measured_angles_is_no_lane(run: Run) -> None:

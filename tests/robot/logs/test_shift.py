@@ -90,6 +90,47 @@ def test_two_logs_are_shifted_against_each_other() -> None:
     assert found.seconds == pytest.approx(0.75, abs=1e-5)
 
 
+TURNING = np.ones(2, dtype=bool)
+
+
+@settings(max_examples=40, deadline=None)
+@given(shift=st.floats(-3.0, 3.0), turns=st.lists(st.integers(-3, 3), min_size=2, max_size=2))
+def test_a_shift_is_found_whatever_the_turn(shift: float, turns: list[int]) -> None:
+    motion, random = motion_of(QUINTIC), np.random.default_rng(3)
+    time = np.arange(0.0, 6.0, 0.01)
+    q = motion(time + shift)[0] + 1e-4 * random.standard_normal((len(time), 2))
+    found = find_shift(time, q + 2.0 * np.pi * np.array(turns), motion, 5.0, TURNING)
+    assert found.seconds == pytest.approx(shift, abs=1e-4)
+    np.testing.assert_array_equal(found.turns, turns)
+
+
+def test_a_joint_that_slides_has_no_turns() -> None:
+    motion = motion_of(QUINTIC)
+    time = np.arange(0.0, 6.0, 0.01)
+    q = motion(time + 0.4)[0] + [0.0, 6.4]
+    with pytest.raises(RecordingError, match="is it a log of this motion"):
+        find_shift(time, q, motion, 5.0, np.array([True, False]))
+    turns = find_shift(time, q, motion, 5.0, TURNING)
+    np.testing.assert_array_equal(turns.turns, [0.0, 1.0])
+
+
+def test_a_log_of_several_turns_that_fits_as_it_is_keeps_them() -> None:
+    def spin(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        inside = np.clip(time, 0.0, 20.0)
+        moving = ((time > 0.0) & (time < 20.0))[:, None] * np.array([[2.0, 0.0]])
+        return np.column_stack([2.0 * inside, 0.0 * inside]), moving
+
+    time = np.arange(0.0, 4.0, 0.01)
+    found = find_shift(time, spin(time + 9.5)[0], spin, 20.0, TURNING)
+    assert found.seconds == pytest.approx(9.5, abs=1e-6)
+    np.testing.assert_array_equal(found.turns, [0.0, 0.0])
+    # A turn of it takes pi seconds: what is as good without its turns is told.
+    assert any(abs(other - 9.5 + np.pi) < 1e-3 for other in found.others)
+    wrapped = spin(time + 9.5)[0] - [6.0 * np.pi, 0.0]
+    found = find_shift(time, wrapped, spin, 20.0, TURNING)
+    assert found.seconds == pytest.approx(9.5 - 3.0 * np.pi, abs=1e-6)
+
+
 def test_another_motion_is_told() -> None:
     motion = motion_of(QUINTIC)
     time = np.arange(0.0, 6.0, 0.01)

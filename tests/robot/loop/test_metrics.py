@@ -217,6 +217,22 @@ def test_itae_and_rms_torque_are_their_integrals(rows: int, seed: int, period: f
     np.testing.assert_allclose(found.rms_torque**2 * rows * period, effort, rtol=1e-9)
 
 
+def test_rms_torque_is_exact_where_it_is_held_and_half_a_step_more_where_it_is_not() -> None:
+    period, rows, fine = 0.01, 400, 50
+    data = columns(rows)
+    found = measure_lane(period * np.arange(rows), data, np.ones(JOINTS), 50.0).rms_torque
+    held = np.repeat(data["tau"], fine, axis=0)
+    effort = np.square(held).sum(axis=0) * period / fine
+    np.testing.assert_allclose(found**2 * rows * period, effort, rtol=1e-12)
+    # A spike that is over within some steps, integrated in closed form.
+    for steps in (4.5, 20.0):
+        time = period * np.arange(rows)
+        data["tau"] = 30.0 * np.exp(-0.5 * time / (steps * period))[:, None] * np.ones(JOINTS)
+        found = measure_lane(time, data, np.ones(JOINTS), 50.0).rms_torque
+        ratio = found**2 * rows / (30.0**2 * steps)
+        np.testing.assert_allclose(ratio, 1.0 + 0.5 / steps, atol=0.1 / steps**2)
+
+
 @pytest.mark.parametrize("rate", [0.5, 2.0, 20.0])
 def test_itae_of_a_decaying_error_is_its_closed_form(rate: float) -> None:
     time, horizon = np.arange(5001) * 1e-3, 5.0

@@ -225,7 +225,25 @@ def test_a_jump_by_a_turn_is_no_motion(tmp_path: Path, arm: KnownArm) -> None:
     wrapped[:, 4] = (way[:, 4] + np.pi) % (2.0 * np.pi) - np.pi
     found = read_recording(table(tmp_path / "a.csv", ["t", *Q], [time, wrapped]), arm)
     np.testing.assert_allclose(found.q, way, atol=1e-12)
-    assert any("joint_5 jumps by a turn 1 times" in remark for remark in found.remarks)
+    assert any("joint_5 jumps by a turn once" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize("begin", [3.1415, -3.1415, 9.0])
+def test_desired_angles_are_of_the_turn_of_measured_ones(
+    tmp_path: Path, arm: KnownArm, begin: float
+) -> None:
+    time, q = swing()
+    q = q - q[0] + begin
+    error = 0.01 * np.sin(time)[:, None] * np.ones(6)
+    wrapped = [(block + np.pi) % (2.0 * np.pi) - np.pi for block in (q - error - 0.002, q)]
+    names = ["t", *Q, *(f"q_d{number}" for number in range(1, 7))]
+    for measured, desired in ((wrapped[0], wrapped[1]), (q - error - 0.002, wrapped[1])):
+        found = read_recording(table(tmp_path / "a.csv", names, [time, measured, desired]), arm)
+        assert found.q_d is not None
+        np.testing.assert_allclose(found.q_d - found.q, error + 0.002, atol=1e-9)
+        moved = np.round((desired[0] - measured[0]) / (2.0 * np.pi)).astype(bool)
+        said = [one for one in found.remarks if one.startswith("the desired angle of joint_")]
+        assert sum("same turn" in one for one in said) == moved.sum()
 
 
 def test_degrees_without_a_unit_are_told(tmp_path: Path, arm: KnownArm) -> None:

@@ -38,7 +38,9 @@ def arm(name: str, *slides: bool) -> KnownArm:
 def arms() -> Iterator[None]:
     add_arm(arm("slider", True))
     add_arm(arm("both", True, False))
+    add_arm(arm("more", True, True, False))
     yield
+    forget_arm("more")
     forget_arm("slider")
     forget_arm("both")
 
@@ -64,7 +66,8 @@ def test_a_report_has_the_unit_of_an_arm_that_slides_or_says_that_it_is_mixed() 
     assert "rad" not in alone
     both = printed("both")
     assert "mean |e| [mrad | mm]" in both
-    assert "The second unit is that of J1, which slide" in both
+    assert "The second unit is that of J1, which slides; a total" in both
+    assert "The second unit is that of J1 and J2, which slide; a total" in printed("more")
     assert report(simulate(experiment("both")))["units"]["max_error"] == "rad | m"
 
 
