@@ -148,8 +148,8 @@ def identify(
         list[str] | None,
         typer.Option(
             metavar="PART",
-            help="payload, armature, viscous_friction or coulomb_friction; all by default. May be "
-            "given several times.",
+            help="payload, armature, viscous_friction, coulomb_friction or constant (a constant "
+            "torque); all by default. May be given several times.",
         ),
     ] = None,
     torque_constants: Annotated[
@@ -193,7 +193,8 @@ def identify(
     constants = _numbers(torque_constants) if torque_constants else None
     arm = arm_named(experiment.robot.model)
     read = read_recording(recording, arm, wanted_of(mapped, source, angles, time))
-    found = identify_arm(read, experiment.robot, fit or PARTS, constants, bandwidth)
+    load = experiment.disturbance.constant
+    found = identify_arm(read, experiment.robot, fit or PARTS, constants, bandwidth, load)
     if json:
         text = json_text({"preset": preset, **identification_document(found)})
         write_output(json, [text, "\n"])

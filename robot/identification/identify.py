@@ -13,6 +13,7 @@ from slidetune.robot.arm.section import Robot
 from slidetune.robot.identification.beside_bound import asked, beside_bounds
 from slidetune.robot.identification.filtering import kinematics_of
 from slidetune.robot.identification.numbers import (
+    BLOCKS,
     PARTS,
     bounds_of,
     names_of,
@@ -41,6 +42,8 @@ _FAR = 0.3
 _FALLS_SHORT = 0.9
 """Share of the torque that has to be explained, or a remark says so (*ours*)."""
 _DIGITS = 4
+_RANKS = (2, 3, 4, 1)
+"""Which numbers of a joint are fixed first: armature, viscous, Coulomb friction, constant."""
 
 
 @dataclass(frozen=True)
@@ -141,8 +144,9 @@ def identify(
     parts: Iterable[str] = PARTS,
     constants: Sequence[float] | None = None,
     bandwidth: float | None = None,
+    load: Sequence[float] | float = 0.0,
 ) -> Identification:
-    """Fit friction, payload and armature to a log.
+    """Fit friction, payload, armature and constant torques to a log.
 
     Links count as known: those of the experiment's arm, with its inertials and their scale. What is
     not asked for, and what the log can't tell, stays as it is in the experiment.
@@ -153,6 +157,7 @@ def identify(
         parts: some of ``PARTS``.
         constants: see ``torque_of``.
         bandwidth: cutoff in [Hz], see ``kinematics_of``.
+        load: constant torque of the experiment's disturbance in [N m], one a joint or one for all.
 
     Raises:
         RecordingError: if the log can't tell anything, saying why.
@@ -166,7 +171,7 @@ def identify(
     log = kinematics_of(recording, torque_of(recording, constants), bandwidth)
     equation = equation_of(robot, log)
     names = names_of(robot)
-    present, lower, upper = values_of(robot), *bounds_of(len(names))
+    present, lower, upper = values_of(robot, load), *bounds_of(len(names))
     fitted = np.array([part_of(path) in wanted for path in names])
     much = _much(robot, equation)
     present = np.clip(present, lower, upper)
@@ -182,7 +187,7 @@ def identify(
         rms_torque=whole,
         rms_residual=left,
         bandwidth=log.bandwidth,
-        patch=_patch(robot, estimates),
+        patch=_patch(robot, load, estimates),
         remarks=_remarks(recording, whole, left),
     )
 
@@ -195,7 +200,8 @@ def _much(robot: Robot, equation: Equation) -> Array:
     """
     arm = arm_named(robot.model).model
     mass = _HEAVY * sum(inertia.mass for inertia in list(arm.inertias)[1:])
-    return np.concatenate([[mass], [_FAR] * 3, equation.inertia, equation.weight, equation.weight])
+    weights = [equation.weight] * (BLOCKS - 1)
+    return np.concatenate([[mass], [_FAR] * 3, equation.inertia, *weights])
 
 
 def _told(
@@ -253,9 +259,7 @@ def _beyond(solution: Solution, fitted: Array, ends: tuple[Array, Array]) -> int
 
     Nothing is an answer: no friction, no payload. As much as a field permits is none.
     """
-    centre = np.arange(len(fitted)) < PAYLOAD
-    centre[0] = False
-    at_end = (solution.values == ends[1]) | (centre & (solution.values == ends[0]))
+    at_end = (solution.values == ends[1]) | ((ends[0] < 0.0) & (solution.values == ends[0]))
     found = np.flatnonzero(fitted & at_end)
     return int(found[0]) if len(found) else None
 
@@ -276,14 +280,16 @@ def _untold(solution: Solution, fitted: Array, much: Array) -> tuple[int, list[i
     else:
         return None
     size = np.linalg.norm(solution.slopes * much, axis=0)
-    # The centre first, the mass last; of alike ones that with the least effect.
+    # The centre first, then constant torques, the mass last; of alike ones the least effect.
     return min(members, key=lambda member: (_rank(member, len(fitted)), size[member])), members
 
 
 def _rank(member: int, count: int) -> int:
     if member == 0:
-        return 4
-    return 0 if member < PAYLOAD else 1 + (member - PAYLOAD) // ((count - PAYLOAD) // 3) % 3
+        return len(_RANKS) + 1
+    if member < PAYLOAD:
+        return 0
+    return _RANKS[(member - PAYLOAD) // ((count - PAYLOAD) // BLOCKS)]
 
 
 def _estimates(
@@ -333,15 +339,21 @@ def _interval(solution: Solution, at: int, ends: tuple[Array, Array]) -> tuple[f
     return min(low, value), max(high, value), odd
 
 
-def _patch(robot: Robot, estimates: tuple[Estimate, ...]) -> dict[str, Any]:
+def _patch(
+    robot: Robot, load: Sequence[float] | float, estimates: tuple[Estimate, ...]
+) -> dict[str, Any]:
     """Return the patch that sets what is told; whole lists, with the rest as it is."""
     joints = arm_named(robot.model).joints
     patch: dict[str, Any] = {}
+    forces: list[float] = []
     for one in estimates:
         if one.value is None:
             continue
         value, keys = float(f"{one.value:.{_DIGITS}g}"), one.path.split(".")
-        if keys[1] != "payload":
+        if keys[1] == "constant":
+            forces = forces or np.broadcast_to(load, joints).astype(float).tolist()
+            forces[int(keys[2])] = value
+        elif keys[1] != "payload":
             whole = np.broadcast_to(getattr(robot, keys[1]), joints).astype(float).tolist()
             patch.setdefault(keys[1], whole)[int(keys[2])] = value
         elif keys[2] == "mass":
@@ -351,7 +363,8 @@ def _patch(robot: Robot, estimates: tuple[Estimate, ...]) -> dict[str, Any]:
                 "center", list(robot.payload.center)
             )
             center[int(keys[3])] = value
-    return {"robot": patch} if patch else {}
+    found = {"robot": patch, "disturbance": {"constant": forces} if forces else {}}
+    return {section: one for section, one in found.items() if one}
 
 
 def _remarks(recording: Recording, whole: Array, left: Array) -> tuple[str, ...]:

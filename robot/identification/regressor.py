@@ -1,7 +1,7 @@
 r"""The equation of the arm, linear in what is not known.
 
 .. math:: \tau - \tau_{arm}(q, v, a) = Y_{10}\,\varphi + \operatorname{diag}(a) A
-    + \operatorname{diag}(v)\,d + \operatorname{diag}(\tanh(v / v_C))\,f_C
+    + \operatorname{diag}(v)\,d + \operatorname{diag}(\tanh(v / v_C))\,f_C + F
 
 with Pinocchio's regressor of the last body for a point mass m at x in that body's frame,
 :math:`\varphi = (m, m x, m (x^T x\,1 - x x^T))`.
@@ -31,8 +31,8 @@ class Equation(NamedTuple):
     """The equation at every row that remains.
 
     Attributes:
-        columns: of the last body's ten, then armature, viscous and Coulomb friction of each joint.
-            Shape (r, n, 10 + 3 n).
+        columns: of the last body's ten, then armature, viscous and Coulomb friction and the
+            constant torque of each joint. Shape (r, n, 10 + 4 n).
         torque: measured torque in [N m]. Shape (r, n).
         known: torque of the arm without all of these in [N m]. Shape (r, n).
         time: of each row in [s]. Shape (r,).
@@ -64,7 +64,7 @@ def equation_of(robot: Robot, log: Kinematics) -> Equation:
     bare = robot.model_copy(update={"payload": Payload(), "armature": 0.0})
     model = build_model(bare)
     data, joints, count = model.createData(), model.nv, len(log.time)
-    columns = np.zeros((count, joints, INERTIAL + 3 * joints))
+    columns = np.zeros((count, joints, INERTIAL + 4 * joints))
     known, gravity, inertia = np.empty((count, joints)), np.zeros(joints), np.zeros(joints)
     for row in range(count):
         q, v, a = log.q[row], log.v[row], log.a[row]
@@ -76,7 +76,8 @@ def equation_of(robot: Robot, log: Kinematics) -> Equation:
         gravity = np.maximum(gravity, holds)
         inertia = np.maximum(inertia, np.diag(pin.crba(model, data, log.q[row])))
     each = np.arange(joints)
-    for part, block in enumerate((log.a, log.v, np.tanh(log.v / COULOMB_WIDTH))):
+    blocks = (log.a, log.v, np.tanh(log.v / COULOMB_WIDTH), np.ones_like(log.v))
+    for part, block in enumerate(blocks):
         columns[:, each, INERTIAL + part * joints + each] = block
     torque = thinned(log, log.torque)
     weight = np.maximum(gravity + _BRISK * inertia, np.sqrt(np.mean(torque**2, axis=0)))

@@ -59,8 +59,8 @@ def solve(
     Args:
         equation: at every row.
         flange: where the flange stands.
-        begin: mass, centre, armature, viscous and Coulomb friction of each joint: where to begin,
-            and what is fixed. Shape (p,).
+        begin: mass, centre, armature, viscous and Coulomb friction and constant torque of each
+            joint: where to begin, and what is fixed. Shape (p,).
         fitted: which of them are fitted. Shape (p,).
         lower: least values. Shape (p,).
         upper: greatest values. Shape (p,).
@@ -101,7 +101,7 @@ def _weighted(
 def extended(flange: Placed, values: Array) -> tuple[Array, Array]:
     """Return what the columns of the equation are multiplied by, and its slopes.
 
-    Shapes (10 + 3 n,) and (10 + 3 n, 4 + 3 n).
+    Shapes (10 + 4 n,) and (10 + 4 n, 4 + 4 n).
     """
     body, slopes = payload_columns(flange, float(values[0]), values[1:PAYLOAD])
     rest = len(values) - PAYLOAD

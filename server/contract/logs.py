@@ -14,8 +14,8 @@ MOST_MAPPED = 100
 """Most columns that a mapping names (*ours*): time, and five of twelve joints."""
 Text = Annotated[str, Field(max_length=500)]
 Shift = Annotated[Finite, Field(ge=-LONGEST_SHIFT, le=LONGEST_SHIFT)]
-Part = Literal["payload", "armature", "viscous_friction", "coulomb_friction"]
-_PARTS: list[Part] = ["payload", "armature", "viscous_friction", "coulomb_friction"]
+Part = Literal["payload", "armature", "viscous_friction", "coulomb_friction", "constant"]
+_PARTS: list[Part] = ["payload", "armature", "viscous_friction", "coulomb_friction", "constant"]
 
 
 class LogWanted(Strict):
@@ -126,7 +126,7 @@ class LogTrajectory(BaseModel):
 class IdentifyRequest(Strict):
     """What is fitted to a log."""
 
-    parts: list[Part] = Field(_PARTS, min_length=1, max_length=4)
+    parts: list[Part] = Field(_PARTS, min_length=1, max_length=5)
     constants: list[Finite] | None = Field(
         None,
         min_length=1,

@@ -131,7 +131,7 @@ def _identify(asked: Asked) -> dict[str, Any]:
     arm: KnownArm = arm_named(asked["arm"])
     robot = Robot.model_validate(asked["robot"], context={"joints": arm.joints})
     recording = load_recording(Path(asked["archive"]))
-    found = identify(recording, robot, asked["parts"], asked["constants"])
+    found = identify(recording, robot, asked["parts"], asked["constants"], load=asked["load"])
     return {
         "estimates": [
             {

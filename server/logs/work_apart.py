@@ -81,13 +81,14 @@ def identify_apart(
     robot: Mapping[str, Any],
     parts: Sequence[str],
     constants: Sequence[float] | None,
+    load: Sequence[float] | float,
 ) -> dict[str, Any]:
     """Return what a log says of the arm, fitted in a process of its own; see ``identify``.
 
     Raises:
         RefusedLogError: if it can't tell anything.
     """
-    asked = {"arm": arm, "robot": robot, "parts": list(parts), "constants": constants}
+    asked = {"arm": arm, "robot": robot, "parts": list(parts), "constants": constants, "load": load}
     return _ask("identify", archive, asked)
 
 

@@ -168,17 +168,18 @@ def logs_router(app_state: AppState) -> APIRouter:
 
     @router.post("/{number}/identify", response_model=LogIdentification, responses=_REFUSED)
     async def identified(number: int, wanted: Annotated[IdentifyRequest, Body()]) -> dict[str, Any]:
-        """Fit friction, payload and rotor inertia to a log, as a patch with intervals."""
+        """Fit friction, payload, rotor inertia and constant torques, as a patch with intervals."""
         log = store.of_arm(number, app_state.arm)
-        robot = app_state.document.experiment.robot.model_dump(mode="json")
+        experiment = app_state.document.experiment
         with store.working.one():
             return await run_in_threadpool(
                 identify_apart,
                 store.archive(number),
                 log.arm,
-                robot,
+                experiment.robot.model_dump(mode="json"),
                 wanted.parts,
                 wanted.constants,
+                experiment.disturbance.constant,
             )
 
     return router

@@ -50,7 +50,7 @@ export function showIdentification(history, tell, log) {
 async function fit(history, tell, {number, name}, constants) {
   let found;
   try {
-    found = await waitFor('Fitting', `${name}: friction, payload and rotor inertia, joint by joint.`,
+    found = await waitFor('Fitting', `${name}: friction, payload, rotor inertia and constant torques, joint by joint.`,
       () => identifyLog(number, constants));
   } catch (error) {
     tell(`${name} tells nothing of the arm: ${/** @type {Error} */ (error).message}`, {error: true});
@@ -61,7 +61,7 @@ async function fit(history, tell, {number, name}, constants) {
   const use = useButton('Use these', alert, async () => {
     await history.change(patch, `friction and payload from ${name}`);
     dialog.close();
-    tellWithUndo(tell, history, `The arm has the friction, payload and rotor inertia of ${name} now.`);
+    tellWithUndo(tell, history, `The arm has the friction, payload, rotor inertia and constant torques of ${name} now.`);
   });
   use.disabled = !Object.keys(patch).length;
   const figure = residualFigure(found);

@@ -30,7 +30,7 @@ def test_what_a_bound_of_another_number_moves_is_not_used(two: Run) -> None:
     torque = lane.tau - 2.0 * np.array(payload) + 0.1 * random.standard_normal(lane.tau.shape)
     found = identify(Recording("log.csv", two.time, lane.q, True, tau=torque), unknowing(two))
     by_path = {one.path: one for one in found.estimates}
-    assert "without its bounds the log asks for -0.8" in by_path["robot.payload.mass"].reason
+    assert "without its bounds the log asks for -0.7" in by_path["robot.payload.mass"].reason
     for one in found.estimates:
         if "payload" in one.path:
             continue

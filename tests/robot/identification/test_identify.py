@@ -15,7 +15,7 @@ from slidetune.robot.arm.section import Payload, Robot
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.identification.filtering import kinematics_of
 from slidetune.robot.identification.identify import Identification, identify, torque_of
-from slidetune.robot.identification.numbers import PARTS, unit_of
+from slidetune.robot.identification.numbers import OF_JOINTS, PARTS, unit_of
 from slidetune.robot.identification.regressor import equation_of, flange_of, payload_columns
 from slidetune.robot.loop.simulate import Run, simulate
 from slidetune.robot.recordings.recording import Recording
@@ -68,6 +68,10 @@ ONE: dict[str, Any] = {
 }
 
 
+SCALES = {"center": 0.05, "constant": 1.0}
+"""Of numbers that may be 0: a centre in [m], a constant torque in [N m]."""
+
+
 def run_of(document: dict[str, Any], **trajectory: Any) -> Run:
     whole = {
         **document,
@@ -88,14 +92,13 @@ def log_of(run: Run, noise: Array | float = 0.0, angles: float = 0.0, seed: int 
 
 def unknowing(run: Run) -> Robot:
     """Return the run's arm without all that is to be found."""
-    nothing = {part: 0.0 for part in PARTS[1:]}
+    nothing = {part: 0.0 for part in OF_JOINTS}
     return run.experiment.robot.model_copy(update={**nothing, "payload": Payload()})
 
 
 def truth(run: Run, path: str) -> float:
-    _, *keys = path.split(".")
-    value: Any = run.experiment.robot.model_dump()
-    for key in keys:
+    value: Any = run.experiment.model_dump()
+    for key in path.split("."):
         if isinstance(value, dict):
             value = value[key]
         elif isinstance(value, list | tuple):
@@ -127,7 +130,7 @@ def test_without_noise_everything_comes_out(name: str, request: pytest.FixtureRe
     found = identify(log_of(run), unknowing(run))
     for one in found.estimates:
         if one.value is not None:
-            scale = 0.05 if "center" in one.path else truth(run, one.path)
+            scale = SCALES.get(one.path.split(".")[-2], 0.0) or truth(run, one.path)
             assert abs(one.value - truth(run, one.path)) < 0.02 * scale, one
     assert (found.rms_residual < 0.01 * found.rms_torque).all()
 
@@ -157,8 +160,8 @@ def test_noise_that_lasts_makes_the_intervals_wider_and_not_wrong(two: Run) -> N
             lasting[row] = 0.995 * lasting[row - 1] + np.sqrt(1.0 - 0.995**2) * white[row]
         log = log_of(two, 0.1 * lasting)
         robot = unknowing(two).model_copy(update={"payload": two.experiment.robot.payload})
-        found = identify(log, robot, PARTS[1:])
-        plain = identify(log_of(two, 0.1 * white), robot, PARTS[1:])
+        found = identify(log, robot, OF_JOINTS)
+        plain = identify(log_of(two, 0.1 * white), robot, OF_JOINTS)
         inside += covered(two, found)
         ratios += [
             (one.high - one.low) / (other.high - other.low)  # type: ignore[operator]
@@ -171,16 +174,33 @@ def test_noise_that_lasts_makes_the_intervals_wider_and_not_wrong(two: Run) -> N
 def test_use_these_is_a_patch_that_brings_the_arm_back(six: Run) -> None:
     found = identify(log_of(six, 0.2, 1e-5), unknowing(six))
     unknown = six.experiment.patched(
-        {"robot": {**{part: 0 for part in PARTS[1:]}, "payload": {"mass": 0}}}
+        {"robot": {**{part: 0 for part in OF_JOINTS}, "payload": {"mass": 0}}}
     )
     patched = unknown.patched(found.patch)
     assert patched.robot.payload.mass == pytest.approx(1.5, rel=0.01)
-    for part in PARTS[1:]:
+    for part in OF_JOINTS:
         np.testing.assert_allclose(
             getattr(patched.robot, part), getattr(six.experiment.robot, part), rtol=0.05
         )
-    assert set(found.patch) == {"robot"}
+    assert set(found.patch) == {"robot", "disturbance"}
+    assert patched.disturbance.constant == pytest.approx([0.0] * 6, abs=0.2)
     assert patched.lanes == unknown.lanes
+
+
+def test_a_constant_torque_is_no_payload() -> None:
+    load = [4.0, -6.0, 3.0, -2.0, 1.0, 0.5]
+    run = run_of({**SIX, "disturbance": {"constant": load}})
+    log = log_of(run, 0.2, 1e-5)
+    found = identify(log, unknowing(run))
+    inside = covered(run, found)
+    assert np.mean(inside) > 0.85
+    assert found.patch["disturbance"]["constant"] == pytest.approx(load, abs=0.15)
+    (mass,) = [one.value for one in found.estimates if one.path == "robot.payload.mass"]
+    assert mass == pytest.approx(1.5, rel=0.03)
+    # What is not asked for is as it is in the experiment.
+    kept = identify(log, unknowing(run), PARTS[:4], load=load)
+    assert np.mean(covered(run, kept)) > 0.85
+    assert "disturbance" not in kept.patch
 
 
 def test_a_joint_that_stands_still_is_not_guessed() -> None:
@@ -191,7 +211,7 @@ def test_a_joint_that_stands_still_is_not_guessed() -> None:
     robot = unknowing(run).model_copy(update={"viscous_friction": 0.25})
     found = identify(log_of(run, 0.5), robot)
     still = [one for one in found.estimates if one.path.endswith(("n.2", "e.2"))]
-    assert {one.path.split(".")[1] for one in still} == set(PARTS[1:])
+    assert {one.path.split(".")[1] for one in still} == set(OF_JOINTS)
     for one in still:
         assert one.told == "no"
         assert one.value is None
@@ -217,7 +237,8 @@ def test_what_can_not_be_told_apart_is_said_together() -> None:
     assert "can't tell it from" in found["robot.payload.center.2"].reason
     mass = found["robot.payload.mass"]
     assert mass.told == "given"
-    assert mass.reason == "given the present value of payload centre z"
+    # A centre beside the rod asks for nearly a constant torque.
+    assert mass.reason == "given the present value of payload centre y and payload centre z"
     assert mass.value == pytest.approx(0.3, abs=0.02)
 
 
