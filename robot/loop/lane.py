@@ -280,15 +280,17 @@ class Lane:
 
     def fail(self, packed: Packed, time: float, row: int, error: Exception) -> None:
         """Freeze because the law raised ``error``; the other arguments are those of ``stop``."""
-        law = packed.experiment.lanes[self.name].law
+        gains = packed.experiment.lanes[self.name]
+        law, own = gains.law, bool(law_of(gains).version)
         log.error("Lane %s: the law %s failed at %.3f s.", self.name, law, time, exc_info=error)
         self.record[row] = np.nan
         self._mend(packed, time, row)
         text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        cause = f"The law {law} failed at {time:.3f} s: {text}. Choose another law, then reset."
         trace = traceback_text(error)
-        if trace:
-            cause = f"The law {law} failed at {time:.3f} s: {text}. Mend its file, or reset."
+        # Numba tells of an index beyond an array without the line.
+        where = "" if trace or not own else " Compiled code names no line: look at its indices."
+        remedy = "Mend its file, or reset." if own else "Choose another law, then reset."
+        cause = f"The law {law} failed at {time:.3f} s: {text}.{where} {remedy}"
         self.freeze = Freeze(time, None, cause, trace=trace)
 
     def _mend(self, packed: Packed, time: float, row: int) -> None:

@@ -142,6 +142,9 @@ export class Logs extends EventTarget {
       }
       const log = this.list.find((one) => one.number === number);
       if (log) Object.assign(log, {overlay, failure});
+      if (log && shift === 'auto' && overlay?.remarks.length) {
+        this.dispatchEvent(new CustomEvent('found', {detail: `${log.name}: ${overlay.remarks.join('; ')}.`}));
+      }
       this.#emit('change');
     }
     this.#busy.delete(number);

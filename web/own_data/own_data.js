@@ -43,6 +43,7 @@ export class OwnData {
     this.#desk = desk;
     desk.logs.addEventListener('open', (event) => this.#show(/** @type {CustomEvent} */ (event).detail));
     desk.logs.addEventListener('bring', () => this.pick());
+    desk.logs.addEventListener('found', (event) => { desk.tell(/** @type {CustomEvent} */ (event).detail); });
     desk.logs.addEventListener('failed', (event) => this.#fail(/** @type {CustomEvent} */ (event).detail));
   }
 

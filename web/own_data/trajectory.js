@@ -40,8 +40,10 @@ export async function showTrajectory(api, history, tell, {number, name}) {
   const alert = element('p', {class: 'dialog-alert', role: 'alert'});
   const use = useButton('Follow this motion', alert, async () => {
     await history.change(patch, `trajectory from ${name}`);
+    // It begins at t = 0 and has an end, which is long over in a session that has run for a while.
+    api.reset();
     dialog.close();
-    tellWithUndo(tell, history, `The desired motion is ${name} now.`);
+    tellWithUndo(tell, history, `The desired motion is ${name} now, from t = 0 on.`);
   });
   const dialog = showDialog(`${name} as trajectory`, element('div', {class: 'dialog-text own-data'},
     element('p', {}, `${waypoints} waypoints, ${written(Number((spacing * MILLI).toPrecision(4)))} ms apart. What the `

@@ -16,6 +16,7 @@ from slidetune.robot.loop.simulate import Run, simulate
 from tests.browser.api.test_watch_only import open_as_viewer, owner
 from tests.browser.conftest import LOGS, Complaints, Dashboard, StartDashboard
 from tests.browser.inspector import Inspector
+from tests.server.scene.viser_client import until
 
 VISCOUS = [6.0, 6.0, 4.0, 2.0, 1.5, 1.0]
 LATE = 0.8
@@ -109,6 +110,7 @@ def test_a_log_is_shown_beside_the_lanes_and_shifted(page: Page, bare: Dashboard
     expect(lines_of_logs(page)).to_have_count(3)
     find.click()
     expect(box).to_have_value(re.compile(r"0\.(8|79999?|8000?\d?)"))
+    expect(page.locator(".notice")).to_contain_text("monday.csv: ")
     page.locator(".response").get_by_role("tab", name="Torque").click()
     expect(lines_of_logs(page)).to_have_count(3)
     page.get_by_role("button", name="Show monday.csv").click()
@@ -144,8 +146,13 @@ def test_it_becomes_the_trajectory_by_one_edit(page: Page, bare: Dashboard) -> N
     dialog = page.get_by_role("dialog", name="monday.csv as trajectory")
     expect(dialog.locator("tbody tr")).to_have_count(6)
     expect(dialog).to_contain_text("comes to rest in 0.5 s more")
+    bare.client.post("/api/session/pause").raise_for_status()
+    until(lambda: not bare.client.get("/api/session").json()["playing"])
+    assert bare.client.get("/api/session").json()["time"] > 0.0
     dialog.get_by_role("button", name="Follow this motion").click()
     expect(page.locator(".notice")).to_contain_text("The desired motion is monday.csv now")
+    until(lambda: bare.client.get("/api/session").json()["time"] == 0.0)
+    bare.client.post("/api/session/play").raise_for_status()
     followed = experiment(bare)["trajectory"]
     assert (followed["kind"], followed["origin"]) == ("recorded", "monday.csv")
     page.keyboard.press("Control+z")

@@ -138,6 +138,18 @@ def test_a_law_that_fails_later_freezes_its_lane_with_the_lines_of_the_file() ->
     assert "    while work[QD, 0] > 0.25:" in freeze.trace
 
 
+def test_an_index_beyond_an_array_is_told_with_a_way_out() -> None:
+    late = before_torque("if work[QD, 0] > 0.25:", "    work[QD, 99] = 1.0")
+    take_law(Source("late.py", late))
+    (lane,) = simulate(
+        Experiment.from_document({"lanes": {"A": {"law": "pd_gravity"}}})
+    ).lanes.values()
+    assert lane.freeze is not None
+    assert "IndexError" in lane.freeze.cause
+    assert lane.freeze.cause.endswith("Mend its file, or reset.")
+    assert ('File "late.py"' in lane.freeze.trace) != ("names no line" in lane.freeze.cause)
+
+
 def test_what_goes_on_keeps_its_version_and_mixes_it_with_no_other() -> None:
     first = take_law(Source("pd.py", EXAMPLE))
     before = experiment()
