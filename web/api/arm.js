@@ -40,6 +40,10 @@ export function unitOfAll(unit) {
 }
 
 const BEFORE = 'slidetune.before-arm';
+let beginningAnew = false;
+
+/** @returns {boolean} whether this page is about to be gone: its requests under way get no answer */
+export function isBeginningAnew() { return beginningAnew; }
 
 /**
  * Whoever changes the arm, every page begins anew: before anybody else hears of the other one. The page
@@ -57,6 +61,7 @@ export function beginAnewForAnother(api) {
     }
     event.stopImmediatePropagation();
     if (former) keepFormer(former);
+    beginningAnew = true;
     location.reload();
   };
   api.addEventListener('hello', look);

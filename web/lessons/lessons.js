@@ -1,6 +1,7 @@
 // @ts-check
 /** Lessons: the list, the one that is under way, and the way back out of it. */
 
+import {isBeginningAnew} from '../api/arm.js';
 import {Course, presentState} from './course.js';
 import {LessonFigures} from './figures.js';
 import {LessonPanel} from './panel.js';
@@ -160,7 +161,7 @@ class Lessons {
     const course = this.#course;
     if (!course) return true;
     noteOpenLesson(null);  // first: with another arm the page begins anew
-    if (restore && !await this.#guarded(() => course.restore())) {
+    if (restore && !await this.#guarded(() => course.restore()) && !isBeginningAnew()) {
       noteOpenLesson(course.standing);
       return false;
     }
