@@ -2,6 +2,7 @@
 /** Undo and redo of this screen's own edits, by patches that touch nothing else. */
 
 import {inverse, joined, leaves, difference} from '../fields/merge_patch.js';
+import {request} from './http.js';
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /** @typedef {{label: string, back: () => Promise<any>, forward: () => Promise<any>}} Entry */
@@ -155,7 +156,10 @@ export class History extends EventTarget {
    */
   async restore(preset, experiment) {
     const presets = await this.#api.listPresets();
-    if (!presets.some(({name}) => name === preset)) {
+    const isThere = presets.some(({name}) => name === preset);
+    // A page begins anew once its arm is another one: what comes after that request would be lost.
+    const atOnce = experiment.robot.model !== this.#api.experiment.robot.model;
+    if (!isThere || (atOnce && !await isPreset(preset, experiment))) {
       await this.#api.replaceExperiment(experiment);
       return;
     }
@@ -230,4 +234,13 @@ export class History extends EventTarget {
     }).then(() => { this.dispatchEvent(new Event('change')); });
     return this.#queue;
   }
+}
+
+/**
+ * @param {string} name of a preset
+ * @param {Document} experiment
+ */
+async function isPreset(name, experiment) {
+  const found = await request('GET', `/api/presets/${encodeURIComponent(name)}`);
+  return !Object.keys(difference(found.experiment, experiment)).length;
 }
