@@ -54,6 +54,9 @@ PresetArgument = Annotated[str, typer.Argument(help="Name of a preset, or a YAML
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE", help="Write JSON; - for standard output.")
 ]
+WorkersOption = Annotated[
+    int, typer.Option(min=0, max=256, help="Threads; 0 for one a core. They change no result.")
+]
 CsvOption = Annotated[
     str, typer.Option("--csv", metavar="FILE", help="Write all columns; - for standard output.")
 ]

@@ -14,6 +14,7 @@ from slidetune.server.cli_options import (
     TipOption,
     TotalMassOption,
     UrdfOption,
+    WorkersOption,
     console,
     take_laws,
     urdf_choice,
@@ -46,9 +47,7 @@ def export(
     worst: Annotated[
         int, typer.Option(min=0, max=5000, help="Tries in a search for the worst; 0 for none.")
     ] = 0,
-    workers: Annotated[
-        int, typer.Option(min=0, max=256, help="Threads that make the draws; 0 for one a core.")
-    ] = 0,
+    workers: WorkersOption = 0,
     law: LawOption = None,
     urdf: UrdfOption = None,
     package_dir: PackageDirOption = None,

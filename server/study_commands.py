@@ -17,6 +17,7 @@ from slidetune.server.cli_options import (
     TipOption,
     TotalMassOption,
     UrdfOption,
+    WorkersOption,
     console,
     output,
     take_laws,
@@ -30,9 +31,6 @@ MISSED = 4
 
 LaneOption = Annotated[
     str, typer.Option(help="Lane; by default the first one, as the preset lists them.")
-]
-WorkersOption = Annotated[
-    int, typer.Option(min=0, max=256, help="Threads; 0 for one a core. They change no result.")
 ]
 SchedulerOption = Annotated[
     str,

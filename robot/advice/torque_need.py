@@ -17,6 +17,8 @@ Array = np.ndarray
 
 _INSTANTS = 60
 """Evenly spaced instants of the horizon (*ours*)."""
+_FEWER = 4
+"""Of so many places along the way one is looked at (*ours*): 61 in all."""
 
 
 def start(packed: Packed, name: str) -> Array:
@@ -52,7 +54,7 @@ def required_torque(packed: Packed) -> Array:
     motion_at, torque_at = for_joints(reference, joints), for_joints(external_torque, joints)
     even = np.linspace(0.0, packed.experiment.simulation.horizon, _INSTANTS)
     # By the way as well: a move may be short, and a disturbance has times of its own.
-    for t in np.concatenate([even, way_times(packed)]).tolist():
+    for t in np.concatenate([even, way_times(packed)[::_FEWER]]).tolist():
         motion_at(t, packed.trajectory, work)
         work[CURRENT + V] = work[VD]
         torque_at(t, 0.0, CURRENT, packed.environment, work)

@@ -11,6 +11,8 @@ from functools import lru_cache
 import numpy as np
 import pinocchio as pin
 
+from slidetune.robot.arm.arm import build_arm
+from slidetune.robot.arm.section import Robot
 from slidetune.robot.experiment.packed import Packed
 from slidetune.robot.motion.along import desired_motion
 
@@ -33,17 +35,23 @@ def instants(packed: Packed) -> Array:
 
     The first is t = 0; each further one is that whose pose is farthest from all before it.
     """
-    times, poses = _way(
-        packed.trajectory.tobytes(), packed.joints, packed.experiment.simulation.horizon
-    )
+    experiment = packed.experiment
+    return _chosen(packed.trajectory.tobytes(), experiment.robot, experiment.simulation.horizon)
+
+
+@lru_cache(maxsize=16)
+def _chosen(trajectory: bytes, robot: Robot, horizon: float) -> Array:
+    """Keep the last ones: a hand on a slider of a gain asks for those of one motion."""
+    model = build_arm(robot).model
+    times, poses = _way(trajectory, model.nv, horizon)
     chosen = [0]
     distance = np.abs(poses - poses[0]).max(axis=1)
     while len(chosen) < POSES and distance.max() > _ALIKE:
         chosen.append(int(distance.argmax()))
         distance = np.minimum(distance, np.abs(poses - poses[chosen[-1]]).max(axis=1))
     if len(chosen) > 1:
-        chosen.append(_lightest(packed.model, poses))
-    return times[list(dict.fromkeys(chosen))]
+        chosen.append(_lightest(model, poses))
+    return _unchangeable(times[list(dict.fromkeys(chosen))])
 
 
 def way_times(packed: Packed) -> Array:
@@ -68,4 +76,9 @@ def _way(trajectory: bytes, joints: int, horizon: float) -> tuple[Array, Array]:
     poses, _ = desired_motion(np.frombuffer(trajectory).copy(), times, joints)
     way = np.concatenate([[0.0], np.abs(np.diff(poses, axis=0)).max(axis=1).cumsum()])
     rows = np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], _FINE)))
-    return times[rows], poses[rows]
+    return _unchangeable(times[rows]), _unchangeable(poses[rows])
+
+
+def _unchangeable(array: Array) -> Array:
+    array.flags.writeable = False
+    return array

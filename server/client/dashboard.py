@@ -38,7 +38,11 @@ class Dashboard:
         self._headers = {"authorization": f"Bearer {token}"} if token else {}
         base = f"{parts.scheme}://{parts.netloc}{parts.path.rstrip('/')}"
         self._live = f"ws{base.removeprefix('http')}/api/live"
-        self._http = httpx.Client(base_url=base, headers=self._headers, timeout=PATIENCE)
+        # With a transport of its own: no proxy of the environment, as for the WebSocket.
+        transport = httpx.HTTPTransport()
+        self._http = httpx.Client(
+            base_url=base, headers=self._headers, timeout=PATIENCE, transport=transport
+        )
         try:
             self.version = str(self._ask("GET", "/api/health").json()["version"])
         except (SlidetuneError, KeyError, ValueError) as error:

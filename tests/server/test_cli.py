@@ -14,7 +14,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from slidetune.robot.experiment.presets import SHIPPED_FOLDER, presets
+from slidetune.robot.experiment.presets import SHIPPED_FOLDER, link_to, presets
 from slidetune.robot.loop.simulate import simulate
 from tests.own_laws import EXAMPLE, before_torque
 
@@ -140,6 +140,18 @@ def test_a_run_repeats_from_the_experiment_that_its_json_holds(
     again = simulate(Experiment.from_document(strict(done.stdout)["experiment"]))
     assert np.array_equal(again.lanes["A"].q, simulate(short).lanes["A"].q)
     assert experiment_from_yaml(experiment_to_yaml(again.experiment)) == short
+
+
+def test_a_link_runs_as_the_experiment_that_it_stands_for(
+    short: Experiment, tmp_path: Path
+) -> None:
+    address = f"http://127.0.0.1:8000/#x={link_to(short)}&lane=NFTSM&right.view=live"
+    done = slidetune("run", address, "--json", "-", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert Experiment.from_document(strict(done.stdout)["experiment"]) == short
+    cut = slidetune("run", address.partition("&")[0][:-3], folder=tmp_path)
+    assert cut.returncode == 2
+    assert "cut off" in cut.stderr
 
 
 def test_paper_prints_the_comparison_and_writes_its_page(tmp_path: Path) -> None:

@@ -395,5 +395,5 @@ function successor(before, now, selected, named) {
   return names.includes(named) ? named : names[0];
 }
 
-/** @param {string} name */
-function presetAddress(name) { return `/api/presets/${encodeURIComponent(name)}`; }
+/** @param {string} name of a preset */
+export function presetAddress(name) { return `/api/presets/${encodeURIComponent(name)}`; }

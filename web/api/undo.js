@@ -2,6 +2,7 @@
 /** Undo and redo of this screen's own edits, by patches that touch nothing else. */
 
 import {inverse, joined, leaves, difference} from '../fields/merge_patch.js';
+import {presetAddress} from './api.js';
 import {request} from './http.js';
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
@@ -241,6 +242,6 @@ export class History extends EventTarget {
  * @param {Document} experiment
  */
 async function isPreset(name, experiment) {
-  const found = await request('GET', `/api/presets/${encodeURIComponent(name)}`);
+  const found = await request('GET', presetAddress(name));
   return !Object.keys(difference(found.experiment, experiment)).length;
 }

@@ -10,7 +10,6 @@ import pytest
 from slidetune.robot.advice.advice import advice_on
 from slidetune.robot.advice.remark import Advice
 from slidetune.robot.advice.sufficient import sufficient_layer, sufficient_rate
-from slidetune.robot.advice.torque_need import initial_torque, required_torque
 from slidetune.robot.errors import InvalidExperimentError
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import Packed, pack
@@ -192,15 +191,6 @@ def test_margin_tells_where_the_boundary_layer_chatters() -> None:
     assert worst_margin(pack(wide), "A") < 2.0
 
 
-def test_initial_torque_is_the_first_of_the_run() -> None:
-    error = [0.1, 0, -0.1, 0, 0.2, 0]
-    simulation = {"horizon": 0.1, "initial_error": error, "initial_velocity": "rest"}
-    for law in ("rbfnn_nftsm", "nftsm", "computed_torque"):
-        packed = packed_of({"simulation": simulation}, {"law": law})
-        run = simulate(packed.experiment)
-        np.testing.assert_allclose(initial_torque(packed, "A"), run.lanes["A"].tau[0], rtol=1e-9)
-
-
 def test_sensor_noise_does_not_shake_the_margin() -> None:
     noise = {"sensor_noise": {"position": 0.01, "velocity": 0.5}}
     document = {"simulation": {"mode": "sampled"}, "disturbance": noise}
@@ -341,15 +331,6 @@ def test_no_layer_is_proposed_where_the_proportional_gain_is_the_trouble() -> No
     document = {"robot": DATASHEET, **SAMPLED}
     assert sufficient_layer(packed_of(document, {**CHATTERING, "k1": 300}), "A") is None
     assert "lanes.A.epsilon" not in advice_by_path(document, {**CHATTERING, "k1": 300})
-
-
-def test_required_torque_is_what_perfect_tracking_takes() -> None:
-    friction = {"viscous_friction": 3.0, "coulomb_friction": 2.0}
-    document = {"robot": {**DATASHEET, **friction}, "disturbance": {"constant": 4.0}}
-    lane = {"law": "computed_torque", "kp": 10000, "kd": 200}
-    packed = packed_of(document, lane)
-    greatest = np.abs(simulate(packed.experiment).lanes["A"].tau[2000:]).max(axis=0)
-    np.testing.assert_allclose(required_torque(packed), greatest, rtol=0.02, atol=0.3)
 
 
 def test_a_network_winds_up_by_as_much_a_second_as_is_told() -> None:

@@ -264,22 +264,25 @@ def apart(one: LaneRun, other: LaneRun) -> float:
     return float(np.abs(one.q[both] - other.q[both]).max())
 
 
-@pytest.mark.parametrize("seed", range(30))
-def test_the_true_error_is_not_above_the_estimate_or_said_to_be(seed: int) -> None:
-    experiment = drawn(seed)
-
-    def run(**simulation: int) -> LaneRun:
-        return simulate(experiment.patched({"simulation": simulation})).lanes["lane"]
-
-    finer, fine = run(plant_substeps=FINER), run(plant_substeps=FINE)
-    lane = run()
-    true = apart(lane, finer)
-    if lane.freeze or finer.freeze or apart(fine, finer) > 0.2 * true:
-        return  # what is right is not known well enough
-    assert lane.accuracy.error_estimate is not None
-    assert true <= lane.accuracy.error_estimate or lane.accuracy.at_least
-    if experiment.document()["lanes"]["lane"].get("switching") == "tanh":
-        assert "decides by a sign" not in lane.accuracy.remark
+@pytest.mark.parametrize("first", [0, 10, 20])
+def test_the_true_error_is_not_above_the_estimate_or_said_to_be(first: int) -> None:
+    known = 0
+    for seed in range(first, first + 10):
+        experiment = drawn(seed)
+        lanes = []
+        for substeps in (FINER, FINE, experiment.simulation.plant_substeps):
+            patch = {"simulation": {"plant_substeps": substeps}}
+            lanes += simulate(experiment.patched(patch)).lanes.values()
+        finer, fine, lane = lanes
+        true = apart(lane, finer)
+        if lane.freeze or finer.freeze or apart(fine, finer) > 0.2 * true:
+            continue  # what is right is not known well enough
+        known += 1
+        assert lane.accuracy.error_estimate is not None
+        assert true <= lane.accuracy.error_estimate or lane.accuracy.at_least
+        if experiment.document()["lanes"]["lane"].get("switching") == "tanh":
+            assert "decides by a sign" not in lane.accuracy.remark
+    assert known >= 3
 
 
 def test_a_decision_is_in_doubt_where_two_runs_are_as_far_apart_as_it_is_from_turning() -> None:
