@@ -6,6 +6,7 @@ import dataclasses
 import io
 import json
 import re
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,13 @@ def test_it_checks_itself_by_make(handed: Package, folder: Path) -> None:
         done = run("make", "-B", "check-c", f"CC={compiler}", folder=folder)
         assert done.returncode == 0, done.stdout + done.stderr
     assert run_python(folder).returncode == 0
+    done = run("make", "check", f"PYTHON={sys.executable}", folder=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("they agree") == 2
+    bare = run("make", "check", f"PYTHON={sys.executable} -S", folder=folder)
+    assert bare.returncode != 0
+    assert "has no NumPy, which law.py needs: make check PYTHON=" in bare.stderr
+    assert "Traceback" not in bare.stderr
     done = run("make", "verify", folder=folder)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count(": OK") == len(handed.files) - 1  # all but itself
