@@ -77,7 +77,7 @@ lock:  ## Regenerate requirements.lock with the current versions
 	$(LOCK_VENV)/bin/python -m pip install --disable-pip-version-check uv
 	printf '%s\n' $(BUILDS_EDITABLE) | $(LOCK_VENV)/bin/uv pip compile --quiet --universal \
 	  --python-version $(OLDEST_PYTHON) --fork-strategy fewest --generate-hashes \
-	  --no-header --no-annotate --extra test --extra check \
+	  --no-header --no-annotate --extra test --extra check --extra docs \
 	  --output-file $(LOCK_VENV)/versions pyproject.toml -
 	{ grep '^#' requirements.lock; cat $(LOCK_VENV)/versions; } > $(LOCK_VENV)/requirements.lock
 	mv $(LOCK_VENV)/requirements.lock requirements.lock
@@ -109,7 +109,7 @@ $(INSTALLED): pyproject.toml requirements.lock $(BROKEN)
 	fi
 	$(PIP) --no-deps --require-hashes --requirement requirements.lock
 	@echo 'Setting up the project itself …'; \
-	$(PIP) --quiet --no-index --no-build-isolation --editable '.[test,check]' || { \
+	$(PIP) --quiet --no-index --no-build-isolation --editable '.[test,check,docs]' || { \
 	  echo 'If requirements.lock lacks what pyproject.toml asks for: make lock' >&2; exit 1; \
 	}
 	@if ! problem=`$(VENV_PYTHON) -c 'import pinocchio' 2>&1`; then \
