@@ -18,8 +18,8 @@ from slidetune.server.guard.body_limit import BodyLimit
 from slidetune.server.hosting.page_files import serve_page
 from slidetune.server.routes.arms import arms_router
 from slidetune.server.routes.docs import docs_router
+from slidetune.server.routes.downloads.handover import handover_router
 from slidetune.server.routes.experiment import experiment_router
-from slidetune.server.routes.handover import handover_router
 from slidetune.server.routes.history import history_router
 from slidetune.server.routes.kept_studies import kept_studies_router
 from slidetune.server.routes.lens import lens_router

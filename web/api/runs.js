@@ -41,18 +41,6 @@ export class Runs {
   }
 
   /**
-   * Hand a lane of the live experiment over to a real controller.
-   *
-   * @param {string} lane
-   * @param {string} controller its name there
-   * @param {number} draws how many of what is uncertain
-   * @returns {Promise<ArrayBuffer>} a ZIP
-   */
-  handOver(lane, controller, draws) {
-    return request('POST', '/api/hand-over', {lane, controller, draws});
-  }
-
-  /**
    * Many short runs, told as they end; see the kinds at the server's `/api/studies`.
    *
    * @param {'strip'|'sensitivity'|'switching'} kind

@@ -2,7 +2,7 @@
 /** The arm that the experiment is about: which it is, others to begin with, one's own to bring. */
 
 import {ARM, formerExperiment, jointCount} from '../api/arm.js';
-import {forgetArm, listArms} from '../api/arm_requests.js';
+import {forgetArm, listArms} from '../api/requests/arms.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -13,7 +13,7 @@ import {pickedFiles} from './dropped.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('./dropped.js').Sent} Sent */
-/** @typedef {import('../api/arm_requests.js').ArmSummary} ArmSummary */
+/** @typedef {import('../api/requests/arms.js').ArmSummary} ArmSummary */
 
 /** Which arm there is, and the way to another one. */
 export class Arms {

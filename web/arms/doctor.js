@@ -1,16 +1,16 @@
 // @ts-check
 /** What the doctor says of an arm that was brought, and what can be said to it in turn. */
 
-import {bringArm} from '../api/arm_requests.js';
+import {bringArm} from '../api/requests/arms.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
 /** @typedef {import('../api/http.js').ApiError} ApiError */
 /** @typedef {import('./dropped.js').Sent} Sent */
-/** @typedef {import('../api/arm_requests.js').Finding} Finding */
-/** @typedef {import('../api/arm_requests.js').Report} Report */
-/** @typedef {import('../api/arm_requests.js').Said} Said */
+/** @typedef {import('../api/requests/arms.js').Finding} Finding */
+/** @typedef {import('../api/requests/arms.js').Report} Report */
+/** @typedef {import('../api/requests/arms.js').Said} Said */
 
 const WORDS = {refused: 'Refused', assumed: 'Assumed', noted: 'To look at'};
 

@@ -1,7 +1,7 @@
 // @ts-check
 /** The lanes: which there are, how they fare, and what can be done with them. */
 
-import {laneOfItsSize} from '../api/arm_requests.js';
+import {laneOfItsSize} from '../api/requests/arms.js';
 import {BOUNDS} from '../api/schema_document.js';
 import {ask} from '../dom/dialog.js';
 import {element} from '../dom/element.js';

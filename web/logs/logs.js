@@ -2,11 +2,11 @@
 /** Logs of the real arm: which there are, and those that are shown beside the lanes. */
 
 import {ARM} from '../api/arm.js';
-import {compareLog, forgetLog, keptCurves, listLogs, showLog} from '../api/log_requests.js';
+import {compareLog, forgetLog, keptCurves, listLogs, showLog} from '../api/requests/logs.js';
 import {isWatching} from '../api/watch_only.js';
 
-/** @typedef {import('../api/log_requests.js').Log} Log */
-/** @typedef {import('../api/log_requests.js').Overlay} Overlay */
+/** @typedef {import('../api/requests/logs.js').Log} Log */
+/** @typedef {import('../api/requests/logs.js').Overlay} Overlay */
 /**
  * `failure`: why it can't be compared, or ''.
  * @typedef {Log & {overlay: Overlay|null, failure: string}} ShownLog

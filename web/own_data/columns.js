@@ -5,8 +5,8 @@ import {element, freshId} from '../dom/element.js';
 import {showDialog} from '../dom/dialog.js';
 import {withScrollCue} from '../dom/scroll_cue.js';
 
-/** @typedef {import('../api/log_requests.js').LogReport} LogReport */
-/** @typedef {import('../api/log_requests.js').Said} Said */
+/** @typedef {import('../api/requests/logs.js').LogReport} LogReport */
+/** @typedef {import('../api/requests/logs.js').Said} Said */
 /** @typedef {{name: string, value: string}} Option */
 
 const ANGLES = [['', 'as the header says, else rad'], ['rad', 'rad'], ['deg', 'degrees']];

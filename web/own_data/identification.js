@@ -1,7 +1,7 @@
 // @ts-check
 /** What a log says of the arm: each number with its interval, what is left of the torque, one edit. */
 
-import {identifyLog} from '../api/log_requests.js';
+import {identifyLog} from '../api/requests/logs.js';
 import {JOINTS} from '../api/arm.js';
 import {ask, showDialog} from '../dom/dialog.js';
 import {element} from '../dom/element.js';
@@ -12,8 +12,8 @@ import {residualFigure} from './residual_figure.js';
 import {useButton} from './use_button.js';
 import {listOf, waitFor} from './waiting.js';
 
-/** @typedef {import('../api/log_requests.js').Log} Log */
-/** @typedef {import('../api/log_requests.js').Estimate} Estimate */
+/** @typedef {import('../api/requests/logs.js').Log} Log */
+/** @typedef {import('../api/requests/logs.js').Estimate} Estimate */
 
 const DIGITS = 3;
 const HEADS = ['', 'now', 'fitted', '95 % interval', 'unit'];

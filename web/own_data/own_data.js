@@ -1,7 +1,7 @@
 // @ts-check
 /** A file of the real arm: brought, read, and what can be done with it. */
 
-import {bringLog} from '../api/log_requests.js';
+import {bringLog} from '../api/requests/logs.js';
 import {ARM} from '../api/arm.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
@@ -12,9 +12,9 @@ import {askForColumns} from './columns.js';
 import {showTrajectory} from './trajectory.js';
 import {listOf, waitFor} from './waiting.js';
 
-/** @typedef {import('../api/log_requests.js').Log} Log */
-/** @typedef {import('../api/log_requests.js').LogReport} LogReport */
-/** @typedef {import('../api/log_requests.js').Said} Said */
+/** @typedef {import('../api/requests/logs.js').Log} Log */
+/** @typedef {import('../api/requests/logs.js').LogReport} LogReport */
+/** @typedef {import('../api/requests/logs.js').Said} Said */
 /**
  * @typedef {{history: import('../api/undo.js').History, tell: import('../dom/notices.js').Tell,
  *   logs: import('../logs/logs.js').Logs}} Desk

@@ -5,7 +5,7 @@ import {JOINTS, unitAt} from '../api/arm.js';
 import {LensFigure, axis} from '../lenses/figure.js';
 import {inDigits} from '../figures/columns.js';
 
-/** @typedef {import('../api/log_requests.js').Identification} Identification */
+/** @typedef {import('../api/requests/logs.js').Identification} Identification */
 
 const PANEL_HEIGHT = 62;
 const EDGES = 46;

@@ -1,7 +1,7 @@
 // @ts-check
 /** A log as the desired motion: how close the spline comes, what exceeds limits, one edit. */
 
-import {logTrajectory} from '../api/log_requests.js';
+import {logTrajectory} from '../api/requests/logs.js';
 import {JOINT_NAMES, unitAt} from '../api/arm.js';
 import {figureNumber} from '../figures/columns.js';
 import {figureOf} from '../figures/figure.js';
@@ -12,8 +12,8 @@ import {written} from '../fields/quantity.js';
 import {useButton} from './use_button.js';
 import {listOf, waitFor} from './waiting.js';
 
-/** @typedef {import('../api/log_requests.js').Log} Log */
-/** @typedef {import('../api/log_requests.js').LogTrajectory} LogTrajectory */
+/** @typedef {import('../api/requests/logs.js').Log} Log */
+/** @typedef {import('../api/requests/logs.js').LogTrajectory} LogTrajectory */
 
 const MILLI = 1000;
 const ERROR = figureOf('max_error');

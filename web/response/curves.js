@@ -14,7 +14,7 @@ import {boundsOf} from '../bounds/bounds.js';
 /** @typedef {import('../curves/panel_curves.js').DrawnPanel} DrawnPanel */
 /** @typedef {import('../curves/y_range.js').Range} Range */
 /** @typedef {{id: number, name: string, response: Response}} Pinned */
-/** @typedef {{number: number, name: string, overlay: import('../api/log_requests.js').Overlay}} Logged */
+/** @typedef {{number: number, name: string, overlay: import('../api/requests/logs.js').Overlay}} Logged */
 /** @typedef {{lane: LaneResponse, curve: Curve}} Traced */
 /**
  * `lanes`: those to show, of the live experiment and, where only a baseline has them, others;

@@ -1,11 +1,11 @@
 // @ts-check
 /** Follows one study: its entries as they come, and now and then what they show together. */
 
-import {followStudy, isUnderWay, oneStudy} from '../api/studies.js';
+import {followStudy, isUnderWay, oneStudy} from '../api/requests/studies.js';
 
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Summary} Summary */
-/** @typedef {import('../api/studies.js').Entry} Entry */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Entry} Entry */
 
 /** Least time between two redraws in [ms]; ours. */
 const REDRAW_MS = 250;

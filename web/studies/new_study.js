@@ -4,7 +4,7 @@
 import {element, freshId} from '../dom/element.js';
 import {ApiError} from '../api/api.js';
 import {SCHEMA} from '../api/schema_document.js';
-import {beginStudy, studyKinds} from '../api/studies.js';
+import {beginStudy, studyKinds} from '../api/requests/studies.js';
 import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 import {Schema} from '../fields/schema.js';
 import {recall, remember} from '../screen/remembered.js';
@@ -16,8 +16,8 @@ import {gainsOf, numbersOf} from './tunable.js';
 import {KINDS} from './words.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
-/** @typedef {import('../api/studies.js').Kind} Kind */
-/** @typedef {import('../api/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Kind} Kind */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 
 /** What has a control of its own. */

@@ -6,7 +6,7 @@ import {element, freshId} from '../dom/element.js';
 import {ask} from '../dom/dialog.js';
 import {icon} from '../dom/icons.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
-import {deleteStudy, isUnderWay, resumeStudy, stopStudy, studyFile} from '../api/studies.js';
+import {deleteStudy, isUnderWay, resumeStudy, stopStudy, studyFile} from '../api/requests/studies.js';
 import {isWatching} from '../api/watch_only.js';
 import {SCHEMA} from '../api/schema_document.js';
 import {FieldNames} from '../fields/field_names.js';
@@ -21,9 +21,9 @@ import {StudyFeed} from './feed.js';
 import {nameOf, progressWords, stateWords, whenOf} from './words.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
-/** @typedef {import('../api/studies.js').Summary} Summary */
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Entry} Entry */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Entry} Entry */
 /** @typedef {import('../page/right_panel.js').Desk} Desk */
 /** @typedef {{element: HTMLElement, update: (study: Study, entries: Entry[]) => void,
  *   close?: () => void}} Result */

@@ -12,7 +12,7 @@ const MOST = 3;
 /**
  * Whatever a search turns does not count: to have other gains is what it is for.
  *
- * @param {import('../api/studies.js').Study} study
+ * @param {import('../api/requests/studies.js').Study} study
  * @param {Document} live
  * @param {import('../fields/field_names.js').FieldNames} names
  * @returns {string[]} names of the fields, the first few; none where it is the same

@@ -2,7 +2,7 @@
 /** What a study of a kind lacks before it can come to anything. */
 
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
-/** @typedef {import('../api/studies.js').Kind} Kind */
+/** @typedef {import('../api/requests/studies.js').Kind} Kind */
 /** @typedef {{text: string, group: string, action: string}} Lack `group` of the left column that mends it, or '' */
 
 /** @type {Lack} */

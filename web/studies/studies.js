@@ -3,7 +3,7 @@
 
 import {element} from '../dom/element.js';
 import {recall, remember} from '../screen/remembered.js';
-import {isUnderWay} from '../api/studies.js';
+import {isUnderWay} from '../api/requests/studies.js';
 import {takeBack} from '../study_search/comparison.js';
 import {triedStill} from '../study_search/tried_gains.js';
 import {NewStudy} from './new_study.js';
@@ -11,7 +11,7 @@ import {OpenStudy} from './open_study.js';
 import {StudyList} from './study_list.js';
 
 /** @typedef {import('../api/api.js').Api} Api */
-/** @typedef {import('../api/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
 /** @typedef {import('../page/right_panel.js').Desk} Desk */
 /** @typedef {import('../page/right_panel.js').Tab} Tab */
 

@@ -2,10 +2,10 @@
 /** The studies that are kept, the newest first. */
 
 import {element} from '../dom/element.js';
-import {isUnderWay, listStudies} from '../api/studies.js';
+import {isUnderWay, listStudies} from '../api/requests/studies.js';
 import {KINDS, nameOf, progressWords, stateWords, whenOf} from './words.js';
 
-/** @typedef {import('../api/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
 
 /** While one is under way, so often in [ms]; ours. */
 const LOOK_MS = 2000;

@@ -3,8 +3,8 @@
 
 import {inDigits} from '../figures/columns.js';
 
-/** @typedef {import('../api/studies.js').Summary} Summary */
-/** @typedef {import('../api/studies.js').Kind} Kind */
+/** @typedef {import('../api/requests/studies.js').Summary} Summary */
+/** @typedef {import('../api/requests/studies.js').Kind} Kind */
 
 /** @type {{[kind in Kind]: {title: string, does: string, entries: string}}} */
 export const KINDS = {

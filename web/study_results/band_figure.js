@@ -3,7 +3,7 @@
 
 import {axis, faint} from '../lenses/figure.js';
 
-/** @typedef {import('../api/studies.js').Band} Band */
+/** @typedef {import('../api/requests/studies.js').Band} Band */
 /** @typedef {import('../lenses/figure.js').Colors} Colors */
 /** @typedef {import('../response/views.js').ResponsePanel} Panel */
 /** @typedef {{name: string, start: number, end: number, value: number, kept: boolean|null}} BoundLine */
@@ -110,7 +110,7 @@ function rangeOf(values, bounds, signs) {
 /**
  * The goals that bound what a panel shows.
  *
- * @param {import('../api/studies.js').Study} study
+ * @param {import('../api/requests/studies.js').Study} study
  * @param {Panel} panel
  * @returns {BoundLine[]}
  */

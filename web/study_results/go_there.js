@@ -3,14 +3,14 @@
 
 import {difference, same} from '../fields/merge_patch.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
-import {entryExperiment} from '../api/studies.js';
+import {entryExperiment} from '../api/requests/studies.js';
 
 /**
  * Only what the entry changes is changed.
  *
  * @param {import('../api/api.js').Api} api
  * @param {import('../page/right_panel.js').Desk} desk
- * @param {import('../api/studies.js').Study} study
+ * @param {import('../api/requests/studies.js').Study} study
  * @param {number} place of the entry
  * @param {string} label what it is then
  */

@@ -6,8 +6,8 @@ import {Schema} from '../fields/schema.js';
 import {FIGURES} from '../figures/figure.js';
 import {threeDigits} from '../figures/columns.js';
 
-/** @typedef {import('../api/studies.js').Outcome} Outcome */
-/** @typedef {import('../api/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Outcome} Outcome */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
 /** @typedef {import('../fields/schema.js').Field} Field */
 
 /** Those by which gains are judged. */

@@ -2,7 +2,7 @@
 /** What many draws come to: how many held, within what their responses lie, quantiles. */
 
 import {element} from '../dom/element.js';
-import {isUnderWay, studyBands} from '../api/studies.js';
+import {isUnderWay, studyBands} from '../api/requests/studies.js';
 import {figureHeading, figureNumber} from '../figures/columns.js';
 import {goalWords, ratioText} from '../goals/words.js';
 import {LensCard, choice, percent} from '../lenses/card.js';
@@ -11,9 +11,9 @@ import {RESPONSE_VIEWS} from '../response/views.js';
 import {bandFigure, boundsIn} from './band_figure.js';
 import {STUDIED, classOf, colorOf} from './outcome_words.js';
 
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Draw} Draw */
-/** @typedef {import('../api/studies.js').Bands} Bands */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Draw} Draw */
+/** @typedef {import('../api/requests/studies.js').Bands} Bands */
 
 const HEIGHT = 150;
 /** Least time between two looks at the bands of a running study in [ms]; ours. */
@@ -70,7 +70,7 @@ export class RobustnessResult {
 
   /**
    * @param {Study} study
-   * @param {import('../api/studies.js').Entry[]} entries
+   * @param {import('../api/requests/studies.js').Entry[]} entries
    */
   update(study, entries) {
     this.#study = study;

@@ -16,9 +16,9 @@ import {goThere} from './go_there.js';
 import {STUDIED, colorOf, failureOf} from './outcome_words.js';
 import {curveFigure, mapFigure} from './sweep_figures.js';
 
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Point} Point */
-/** @typedef {import('../api/studies.js').Outcome} Outcome */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Point} Point */
+/** @typedef {import('../api/requests/studies.js').Outcome} Outcome */
 /** @typedef {import('./sweep_figures.js').Swept} Swept */
 /** @typedef {{id: string, title: string, value: (outcome: Outcome) => number|null, words: (outcome: Outcome) => string}} Measure */
 
@@ -82,7 +82,7 @@ export class SweepResult {
 
   /**
    * @param {Study} study
-   * @param {import('../api/studies.js').Entry[]} entries
+   * @param {import('../api/requests/studies.js').Entry[]} entries
    */
   update(study, entries) {
     this.#points = /** @type {Point[]} */ (entries);

@@ -5,7 +5,7 @@ import {axis, faint} from '../lenses/figure.js';
 import {ratioText} from '../goals/words.js';
 import {failureOf} from './outcome_words.js';
 
-/** @typedef {import('../api/studies.js').Draw} Draw */
+/** @typedef {import('../api/requests/studies.js').Draw} Draw */
 
 const TOP = 0.97;
 

@@ -2,7 +2,7 @@
 /** The worst that was found: where it is, what came of it beside the nominal, what was tried. */
 
 import {element} from '../dom/element.js';
-import {replayEntry} from '../api/studies.js';
+import {replayEntry} from '../api/requests/studies.js';
 import {isWatching} from '../api/watch_only.js';
 import {withUnit} from '../fields/quantity.js';
 import {figureHeading, figureNumber, threeDigits} from '../figures/columns.js';
@@ -13,8 +13,8 @@ import {goThere} from './go_there.js';
 import {STUDIED, QUANTITIES, classOf, colorOf, failureOf} from './outcome_words.js';
 import {triesFigure} from './tries_figure.js';
 
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Draw} Draw */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Draw} Draw */
 /** @typedef {import('../api/preview_message.js').LaneResponse} LaneResponse */
 
 const HEIGHT = 190;
@@ -77,7 +77,7 @@ export class WorstResult {
 
   /**
    * @param {Study} study
-   * @param {import('../api/studies.js').Entry[]} entries
+   * @param {import('../api/requests/studies.js').Entry[]} entries
    */
   update(study, entries) {
     const draws = /** @type {Draw[]} */ (entries);

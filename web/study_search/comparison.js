@@ -4,7 +4,7 @@
  * of the arm goes on; it is nothing to undo. What is accepted is one edit.
  */
 
-import {acceptGains} from '../api/studies.js';
+import {acceptGains} from '../api/requests/studies.js';
 import {difference, isObject, same} from '../fields/merge_patch.js';
 import {keepTried, triedStill} from './tried_gains.js';
 
@@ -115,7 +115,7 @@ export class Comparison extends EventTarget {
   /**
    * Keep the candidate's gains, as one edit that the server watches.
    *
-   * @returns {Promise<import('../api/studies.js').Accepted|null>} null where there is nothing to keep
+   * @returns {Promise<import('../api/requests/studies.js').Accepted|null>} null where there is nothing to keep
    * @throws {import('../api/api.js').ApiError} when the server refuses
    */
   async accept() {
@@ -124,7 +124,7 @@ export class Comparison extends EventTarget {
     const [lane, former, candidate] = [this.#lane, this.#live, this.#candidate];
     if (!former || !candidate) return null;
     const patch = patchOf(lane, former, candidate);
-    /** @type {import('../api/studies.js').Accepted|null} */ let accepted = null;
+    /** @type {import('../api/requests/studies.js').Accepted|null} */ let accepted = null;
     const accept = async () => {
       accepted = await acceptGains(lane, patch, this.#api.client);
       this.#api.made.add(accepted.revision);

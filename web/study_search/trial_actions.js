@@ -5,7 +5,7 @@ import {BOUNDS} from '../api/schema_document.js';
 import {Comparison, agrees, patchOf} from './comparison.js';
 import {element, freshId} from '../dom/element.js';
 import {laneOf} from '../trials/trials.js';
-import {studyFile} from '../api/studies.js';
+import {studyFile} from '../api/requests/studies.js';
 import {tellWithUndo} from '../dom/undo_notice.js';
 import {WATCH_ONLY, isWatching} from '../api/watch_only.js';
 
@@ -187,7 +187,7 @@ export class TrialActions {
 }
 
 /**
- * @param {import('../api/studies.js').Accepted} accepted
+ * @param {import('../api/requests/studies.js').Accepted} accepted
  * @returns {string} what the server does from now on
  */
 function watchWords({seconds, watched, unwatched}) {

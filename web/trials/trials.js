@@ -7,8 +7,8 @@ import {threeDigits} from '../figures/columns.js';
 import {ratioText} from '../goals/words.js';
 import {percent} from '../lenses/card.js';
 
-/** @typedef {import('../api/studies.js').Study} Study */
-/** @typedef {import('../api/studies.js').Trial} Trial */
+/** @typedef {import('../api/requests/studies.js').Study} Study */
+/** @typedef {import('../api/requests/studies.js').Trial} Trial */
 /** @typedef {import('../fields/merge_patch.js').Document} Document */
 /** @typedef {'kept'|'missed'|'louder'|'diverged'|'refused'|'beaten'} Fate */
 /**

@@ -23,7 +23,7 @@ MOUNT = """async ([number, count]) => {
   const load = (path) => import(`/static/${path}`);
   const [{Api}, {History}, {mountNotices}, {SearchResult}, studies] = await Promise.all([
     'api/api.js', 'api/undo.js', 'dom/notices.js', 'study_search/search_result.js',
-    'api/studies.js'].map(load));
+    'api/requests/studies.js'].map(load));
   const api = new Api();
   api.connect();
   await new Promise((done) => api.addEventListener('hello', done, {once: true}));

@@ -1,11 +1,11 @@
 // @ts-check
 /** Logs of a real arm that the server keeps while it runs: brought, compared, followed, fitted. */
 
-import {request} from './http.js';
-import {decodedResponse, headOf} from './preview_message.js';
+import {request} from '../http.js';
+import {decodedResponse, headOf} from '../preview_message.js';
 
-/** @typedef {import('../fields/merge_patch.js').Document} Document */
-/** @typedef {import('./preview_message.js').Response} Response */
+/** @typedef {import('../../fields/merge_patch.js').Document} Document */
+/** @typedef {import('../preview_message.js').Response} Response */
 /**
  * `holds`: what it has columns of, such as `torques`; `shift` [s]: null where it is found.
  * @typedef {{number: number, name: string, arm: string, rows: number, duration: number, rate: number,

@@ -1,9 +1,9 @@
 // @ts-check
 /** Studies that the server keeps: searches for gains, draws of what is uncertain, sweeps. */
 
-import {request} from './http.js';
+import {request} from '../http.js';
 
-/** @typedef {import('../fields/merge_patch.js').Document} Document */
+/** @typedef {import('../../fields/merge_patch.js').Document} Document */
 /** @typedef {'tune'|'robustness'|'worst'|'sweep'} Kind */
 /**
  * A study, and how far it is: `made` of `total` entries; `created` in seconds since 1970.

@@ -1,7 +1,7 @@
 // @ts-check
 /** Arms that are kept at the server: listed, brought, forgotten. */
 
-import {request} from './http.js';
+import {request} from '../http.js';
 
 /**
  * @typedef {{name: string, title: string, meaning: string, joints: number, shipped: boolean,
