@@ -124,6 +124,8 @@ def run(
     ] = 0.0,
     json: JsonOption = "",
     csv: CsvOption = "",
+    parquet: ParquetOption = "",
+    mcap: McapOption = "",
     html: PageOption = "",
     law: LawOption = None,
     urdf: UrdfOption = None,
@@ -137,8 +139,10 @@ def run(
     """
     from slidetune.server.chosen_experiment import chosen_experiment
     from slidetune.server.report.output_file import check_outputs, write_output
-    from slidetune.server.report.run_bar import simulate_with_bar
-    from slidetune.server.report.run_columns import csv_lines
+    from slidetune.server.exports.run_columns import csv_lines
+    from slidetune.server.exports.run_mcap import run_mcap
+    from slidetune.server.exports.run_parquet import run_parquet
+    from slidetune.server.report.run_bar import progress_bar, simulate_with_bar
     from slidetune.server.report.run_figures import run_page
     from slidetune.server.report.run_report import json_text, print_report, report
 
@@ -151,16 +155,21 @@ def run(
     if not since < horizon:
         text = f"must be less than the horizon of {horizon:g} s, got {since:g}."
         raise typer.BadParameter(text, param_hint="--since")
-    check_outputs(json, csv, html)
+    check_outputs(json, csv, parquet, mcap, html)
     result = simulate_with_bar(experiment, console)
     document = report(result, since)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
     if csv:
         write_output(csv, csv_lines(result))
+    if parquet:
+        write_output(parquet, [run_parquet(result)])
+    if mcap:
+        with progress_bar(console, "Writing MCAP") as show:
+            write_output(mcap, [run_mcap(result, show)])
     if html:
         write_output(html, [run_page(result)])
-    if "-" not in (json, csv, html):
+    if "-" not in (json, csv, parquet, mcap, html):
         print_report(document, output())
     if any(lane.freeze for lane in result.lanes.values()):
         raise typer.Exit(DIVERGED)

@@ -60,6 +60,15 @@ WorkersOption = Annotated[
 CsvOption = Annotated[
     str, typer.Option("--csv", metavar="FILE", help="Write all columns; - for standard output.")
 ]
+ParquetOption = Annotated[
+    str, typer.Option("--parquet", metavar="FILE", help="Write all columns as Parquet.")
+]
+McapOption = Annotated[
+    str,
+    typer.Option(
+        "--mcap", metavar="FILE", help="Write messages of ROS 2, for Foxglove and PlotJuggler."
+    ),
+]
 PageOption = Annotated[
     str, typer.Option("--html", metavar="FILE", help="Write a page of figures; works offline.")
 ]

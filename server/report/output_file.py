@@ -51,12 +51,12 @@ def _same_place(name: str, other: str) -> bool:
     return False
 
 
-def write_output(name: str, parts: Iterable[str]) -> None:
-    """Write text piece by piece; an existing file gives way only to a complete new one.
+def write_output(name: str, parts: Iterable[str] | Iterable[bytes]) -> None:
+    """Write text or bytes piece by piece; an existing file gives way only to a complete new one.
 
     Args:
         name: a file, or ``-`` for standard output.
-        parts: the text, in order.
+        parts: the text, or the bytes, in order.
 
     Raises:
         OSError: naming the file, if it can't be written; one that was there is as before.
@@ -70,23 +70,24 @@ def write_output(name: str, parts: Iterable[str]) -> None:
         raise OSError(f"can't write {place}: {error.strerror or error}") from error
 
 
-def _write(name: str, parts: Iterable[str]) -> None:
+def _write(name: str, parts: Iterable[str] | Iterable[bytes]) -> None:
+    encoded = (part.encode() if isinstance(part, str) else part for part in parts)
     if name == STANDARD:
-        sys.stdout.writelines(parts)
+        sys.stdout.buffer.writelines(encoded)
         sys.stdout.flush()
         return
     path = Path(os.path.realpath(name))  # a link stays a link: its target is replaced
     if path.exists() and not path.is_file():  # a pipe or a device has nothing to replace
-        with path.open("w", encoding="utf-8", newline="") as file:
-            file.writelines(parts)
+        with path.open("wb") as file:
+            file.writelines(encoded)
     else:
-        _replace(path, parts)
+        _replace(path, encoded)
 
 
-def _replace(path: Path, parts: Iterable[str]) -> None:
+def _replace(path: Path, parts: Iterable[bytes]) -> None:
     number, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
     try:
-        with os.fdopen(number, "w", encoding="utf-8", newline="") as file:
+        with os.fdopen(number, "wb") as file:
             file.writelines(parts)
         Path(temporary).chmod(_mode(path))
         os.replace(temporary, path)

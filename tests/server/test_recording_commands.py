@@ -12,7 +12,7 @@ import pytest
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from slidetune.robot.loop.simulate import Run, simulate
-from slidetune.server.report.run_columns import csv_lines
+from slidetune.server.exports.run_columns import csv_lines
 from tests.server.test_cli import slidetune, strict
 
 PRESET: dict[str, Any] = {

@@ -15,7 +15,7 @@ from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.recordings.limits import LARGEST_FILE, MOST_ROWS
 from slidetune.robot.recordings.recording import Wanted, columns_of, read_recording
 from slidetune.robot.recordings.refused import RecordingError
-from slidetune.server.report.run_columns import csv_lines
+from slidetune.server.exports.run_columns import csv_lines
 from tests.robot.recordings.files import plain, swing, table
 
 Array = np.ndarray

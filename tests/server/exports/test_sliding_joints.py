@@ -15,7 +15,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
 from slidetune.robot.handover.package import package
 from slidetune.robot.loop.simulate import simulate
-from slidetune.server.report.run_columns import run_columns
+from slidetune.server.exports.run_columns import run_columns
 from slidetune.server.report.run_figures import run_page
 from slidetune.server.report.run_report import print_report, report
 from slidetune.server.state.published import published_schema

@@ -9,7 +9,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.simulate import Run, simulate
-from slidetune.server.report.run_columns import csv_lines, run_columns
+from slidetune.server.exports.run_columns import csv_lines, run_columns
 
 
 def experiment(mode: str) -> Experiment:
