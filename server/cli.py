@@ -14,8 +14,10 @@ from slidetune.server.cli_options import (
     CsvOption,
     JsonOption,
     LawOption,
+    McapOption,
     PackageDirOption,
     PageOption,
+    ParquetOption,
     PresetOption,
     TipOption,
     TotalMassOption,
@@ -138,10 +140,10 @@ def run(
     Exit status: 0 on success, 2 if something is refused, 3 if a lane left its bounds.
     """
     from slidetune.server.chosen_experiment import chosen_experiment
-    from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.exports.run_columns import csv_lines
     from slidetune.server.exports.run_mcap import run_mcap
     from slidetune.server.exports.run_parquet import run_parquet
+    from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_bar import progress_bar, simulate_with_bar
     from slidetune.server.report.run_figures import run_page
     from slidetune.server.report.run_report import json_text, print_report, report

@@ -86,7 +86,7 @@ class _Bag:
 
     def finish(self, title: str) -> None:
         self._writer.add_metadata("slidetune", {"version": __version__, "title": title})
-        self._writer.finish()
+        self._writer.finish()  # type: ignore[no-untyped-call]
 
     def say(self, topic: str, stamp: int, text: str) -> None:
         self._put(topic, "std_msgs/msg/String", stamp, {"data": text})
