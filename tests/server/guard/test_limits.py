@@ -54,6 +54,7 @@ BODY_ROUTES = [
     ("POST", "/api/lens"),
     ("POST", "/api/threshold"),
     ("POST", "/api/hand-over"),
+    ("POST", "/api/report"),
     ("POST", "/api/studies"),
     ("POST", "/api/studies/accept"),
     ("POST", "/api/studies/strip"),

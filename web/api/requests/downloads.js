@@ -14,3 +14,10 @@ import {request} from '../http.js';
 export function handOver(lane, controller, draws) {
   return request('POST', '/api/hand-over', {lane, controller, draws});
 }
+
+/**
+ * Run the live experiment and report on it.
+ *
+ * @returns {Promise<string>} one HTML file
+ */
+export function reportOf() { return request('POST', '/api/report', {since: 0}); }
