@@ -4,6 +4,7 @@
 import {editsButton} from './edit_history.js';
 import {element} from '../dom/element.js';
 import {icon} from '../dom/icons.js';
+import {RUNS_ARE_THE_OWNERS, isWatching} from '../api/watch_only.js';
 import {saveReport} from '../experiment/report.js';
 import {showKeys} from '../screen/keys.js';
 import {openMenu} from '../dom/menu.js';
@@ -112,7 +113,9 @@ function exports(api, presets, tell) {
     },
     {
       label: 'Report (HTML)', icon: 'download', run: () => saveReport(api, tell),
-      hint: 'One file with figures, plots, a 3D replay and how to repeat it; opens anywhere',
+      disabled: isWatching(),
+      hint: isWatching() ? RUNS_ARE_THE_OWNERS
+        : 'One file with figures, plots, a 3D replay and how to repeat it; opens anywhere',
     },
   ];
 }
