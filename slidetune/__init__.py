@@ -6,6 +6,7 @@ names at the top of the repository; in a wheel the folders themselves are here.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -84,7 +85,10 @@ def tune(
         InvalidExperimentError: before anything runs, naming every refused field: there is no such
             lane or gain, no goal, nothing uncertain to draw from.
     """
-    from slidetune.server.notebook import tune as notebook  # its samplers are of no use to a run
+    with warnings.catch_warnings():
+        # What Optuna imports misses a widget for progress bars in notebooks; none is shown here.
+        warnings.filterwarnings("ignore", "IProgress not found")
+        from slidetune.server.notebook import tune as notebook  # samplers are of no use to a run
 
     told = {
         "lane": lane,
