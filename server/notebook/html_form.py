@@ -16,6 +16,10 @@ WIDTH, HEIGHT = 330.0, 190.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 8.0, 22.0, 34.0
 """Sizes of a plot in pixels, and its margins (*ours*)."""
 MOST_TICKS = 5
+FLAT = 1e-9
+"""Share of the values below which they differ by rounding alone (*ours*)."""
+NOTHING = 1e-30
+"""What is less is 0, in any of our units (*ours*)."""
 TABLE = "border-collapse:collapse;margin:6px 0;font-variant-numeric:tabular-nums"
 CELL = "border:1px solid #8884;padding:2px 8px;text-align:"
 
@@ -115,11 +119,11 @@ def _marks(line: Line, x: Array, y: Array) -> str:
 
 
 def _span(values: Array) -> tuple[float, float]:
-    """Return the ends of an axis; one number alone gets room around it."""
+    """Return the ends of an axis; what is one number but for rounding gets room around it."""
     low, high = float(values.min()), float(values.max())
-    if high > low:
+    if high - low > max(FLAT * max(abs(low), abs(high)), NOTHING):
         return low, high
-    room = abs(low) or 1.0
+    room = abs(low) if abs(low) > NOTHING else 1.0
     return low - room, high + room
 
 

@@ -11,7 +11,7 @@ from slidetune.server.report.figure_page import decimated
 Array = np.ndarray
 
 BUCKETS = 150
-"""Spans of a curve in a notebook, which keeps what it shows (*ours*): a quarter of a megabyte."""
+"""Spans of a curve in a notebook, which keeps what it shows (*ours*)."""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -138,6 +139,28 @@ def test_an_error_that_may_be_many_times_its_estimate_is_marked(diverged: Run) -
     accuracy = diverged.lanes["wild"].accuracy
     assert accuracy.at_least
     assert "≥ " in bundle(diverged)["text/plain"]
+
+
+def test_lines_that_are_flat_or_end_at_once_are_drawn_too(run: Run) -> None:
+    lane = run.lanes["NFTSM"]
+    flat = replace(lane, e=np.zeros_like(lane.e), tau=np.full_like(lane.tau, 5e-324))
+    gone = replace(lane, q=np.full_like(lane.q, np.nan), e=np.full_like(lane.e, np.nan))
+    for lanes in ({"flat": flat}, {"gone": gone}, {"flat": flat, "gone": gone}):
+        forms = bundle(replace(run, lanes=lanes))
+        json.dumps(forms[PLOTLY], allow_nan=False)
+        assert "nan" not in forms["text/html"]
+        assert "inf" not in forms["text/html"]
+
+
+def test_a_search_in_which_nothing_came_to_its_end_is_shown(diverged: Run) -> None:
+    goals: dict[str, Any] = {"near": {"kind": "figure", "figure": "max_error", "bound": 0.001}}
+    experiment = diverged.experiment.patched({"goals": goals})
+    tuned = slidetune.tune(experiment, "wild", gains={"k1": (999.0, 1000.0)}, trials=3)
+    assert tuned.after.diverged_at is not None
+    forms = bundle(tuned)
+    assert "No set of gains keeps every hard goal." in texts(forms["text/html"])[1]
+    json.dumps(forms[PLOTLY], allow_nan=False)
+    assert "score —" in repr(tuned)
 
 
 def test_an_experiment_shows_gains_and_what_differs_from_its_preset() -> None:
