@@ -95,7 +95,7 @@ class Tuned(Shown):
         them that diverged and kept the hard goals; ``beaten`` for those that were given up before
         they met all draws. NaN stands for what there is not. Each of shape (trials,).
         """
-        table = table_of(self._study, self.trials)
+        table = table_of(self.trials)
         return {name: _column(values) for name, values in table.items()}
 
     def document(self) -> dict[str, Any]:
