@@ -14,8 +14,9 @@ SUITABLE = import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info
 # The lock names the newest versions that still run on the oldest Python.
 OLDEST_PYTHON = 3.11
 LOCK_VENV = build/lock
-# Whoever is idle takes over tests of a busy one: ARGS="-n 0" runs them one by one.
-PARALLEL = -n auto --maxprocesses 4 --dist worksteal
+# Whoever is idle takes over tests of a busy one: ARGS="-n 0" runs them one by one. Threads of the
+# linear algebra would only take each other's processors.
+PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV_PYTHON) -m pytest -n auto --maxprocesses 4 --dist worksteal
 # What builds the project where it is editable; the lock holds both.
 BUILDS_EDITABLE = hatchling editables
 
@@ -38,11 +39,11 @@ install: $(INSTALLED)  ## Set up .venv with everything that run, test and check 
 
 test: $(INSTALLED)  ## Run all tests, including those in a real Chromium
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
-	$(VENV_PYTHON) -m pytest $(PARALLEL) $(ARGS)
+	$(PYTEST) $(ARGS)
 
 coverage: $(INSTALLED)  ## Run the tests and list the lines and branches not reached
 	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
-	$(VENV_PYTHON) -m pytest $(PARALLEL) --cov --cov-report=term-missing:skip-covered $(ARGS)
+	$(PYTEST) --cov --cov-report=term-missing:skip-covered $(ARGS)
 
 check: $(INSTALLED)  ## Check style (ruff) and types (mypy)
 	$(VENV_PYTHON) -m ruff check .

@@ -61,13 +61,16 @@ class Kinematics(NamedTuple):
         return float(1.0 / (self.time[1] - self.time[0]))
 
 
-def kinematics_of(recording: Recording, torque: Array, bandwidth: float | None) -> Kinematics:
+def kinematics_of(
+    recording: Recording, torque: Array, bandwidth: float | None, late: float = 0.0
+) -> Kinematics:
     """Return angles, velocities and accelerations of a log below a cutoff.
 
     Args:
         recording: a log.
         torque: its torques in [N m]. Shape (m, n).
         bandwidth: the cutoff in [Hz]; 10 Hz, or a tenth of the rate where that is less.
+        late: by how much the torques act later than the log has them, in [s].
 
     Raises:
         RecordingError: if the log is too slow or too short for it.
@@ -100,7 +103,7 @@ def kinematics_of(recording: Recording, torque: Array, bandwidth: float | None) 
     a = savgol_filter(q, 5, 4, deriv=2, delta=h, axis=0)
     kept = max(int(1.0 / (h * _FINE * cutoff)), 1)
     # Before rows are left out, what lies above half of their rate is taken off.
-    force = _at(even, time, torque)
+    force = _at(even, time + late, torque)
     if kept > 1:
         force = _smoothed(force, 1.0 / h, 0.4 / (h * kept))
     rows = slice(None, None, kept)

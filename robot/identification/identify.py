@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.arm.section import Robot
 from slidetune.robot.identification.beside_bound import asked, beside_bounds
 from slidetune.robot.identification.filtering import kinematics_of
+from slidetune.robot.identification.late_torque import LEAST, lateness_of
 from slidetune.robot.identification.numbers import (
     BLOCKS,
     PARTS,
@@ -24,6 +26,7 @@ from slidetune.robot.identification.numbers import (
     values_of,
 )
 from slidetune.robot.identification.regressor import Equation, equation_of, flange_of
+from slidetune.robot.identification.remarks import remarks_on
 from slidetune.robot.identification.solving import PAYLOAD, Solution, solve
 from slidetune.robot.recordings.recording import Recording
 from slidetune.robot.recordings.refused import RecordingError
@@ -39,8 +42,10 @@ _HEAVY = 0.25
 """Share of the arm's mass that is much for a payload (*ours*)."""
 _FAR = 0.3
 """Distance in [m] that is much for a centre of mass (*ours*): what the field permits."""
-_FALLS_SHORT = 0.9
-"""Share of the torque that has to be explained, or a remark says so (*ours*)."""
+_SHIFTS = 3
+"""Most times that torques are shifted (*ours*)."""
+_CLOSE = 0.1
+"""Share of its interval that a shift may still be off (*ours*)."""
 _DIGITS = 4
 _RANKS = (2, 3, 4, 1)
 """Which numbers of a joint are fixed first: armature, viscous, Coulomb friction, constant."""
@@ -149,7 +154,8 @@ def identify(
     """Fit friction, payload, armature and constant torques to a log.
 
     Links count as known: those of the experiment's arm, with its inertials and their scale. What is
-    not asked for, and what the log can't tell, stays as it is in the experiment.
+    not asked for, and what the log can't tell, stays as it is in the experiment. Torques that act
+    later than the log has them are shifted, and a remark says by how much.
 
     Args:
         recording: a log of this arm, with measured angles and torques or currents.
@@ -168,14 +174,36 @@ def identify(
         raise RecordingError(f"what is fitted must be some of {', '.join(PARTS)}, got {unknown}")
     if not recording.measured:
         raise RecordingError(f"{recording.name}: has no measured angles, only those asked for")
-    log = kinematics_of(recording, torque_of(recording, constants), bandwidth)
-    equation = equation_of(robot, log)
+    # The matrices are tall and narrow: threads would take ten times as long, and every core.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _fitted(recording, robot, wanted, torque_of(recording, constants), bandwidth, load)
+
+
+def _fitted(
+    recording: Recording,
+    robot: Robot,
+    wanted: Sequence[str],
+    torque: Array,
+    bandwidth: float | None,
+    load: Sequence[float] | float,
+) -> Identification:
     names = names_of(robot)
     present, lower, upper = values_of(robot, load), *bounds_of(len(names))
     fitted = np.array([part_of(path) in wanted for path in names])
-    much = _much(robot, equation)
     present = np.clip(present, lower, upper)
-    solution, reasons = _told(equation, robot, names, present, fitted, (lower, upper), much)
+    late, half = 0.0, 0.0
+    for shifts_left in range(_SHIFTS, -1, -1):
+        log = kinematics_of(recording, torque, bandwidth, late)
+        equation = equation_of(robot, log)
+        much = _much(robot, equation)
+        shifted = late != 0.0
+        solution, reasons = _told(
+            equation, robot, names, present, fitted, (lower, upper), much, shifted
+        )
+        more, half = lateness_of(equation, solution, solution.deviation > 0.0)
+        if not shifts_left or abs(more) <= (_CLOSE * half if shifted else max(half, LEAST)):
+            break
+        late += more
     estimates = _estimates(robot, names, solution, reasons, present, (lower, upper), fitted)
     whole = np.sqrt(np.mean(equation.torque**2, axis=0))
     left = np.sqrt(np.mean(solution.residual**2, axis=0))
@@ -188,7 +216,7 @@ def identify(
         rms_residual=left,
         bandwidth=log.bandwidth,
         patch=_patch(robot, load, estimates),
-        remarks=_remarks(recording, whole, left),
+        remarks=remarks_on(recording, whole, left, (late, half)),
     )
 
 
@@ -212,6 +240,7 @@ def _told(
     wanted: Array,
     ends: tuple[Array, Array],
     much: Array,
+    shifted: bool,
 ) -> tuple[Solution, dict[int, str]]:
     """Fit what the log can tell, fixing one number after the other that it can't.
 
@@ -226,7 +255,8 @@ def _told(
     if fitted[0] and begin[0] == 0.0:
         begin[0] = 0.1 * min(much[0], ends[1][0])
     while True:
-        solution = solve(equation, flange, np.where(fitted, begin, present), fitted, *ends)
+        values = np.where(fitted, begin, present)
+        solution = solve(equation, flange, values, fitted, *ends, shifted)
         found = _untold(solution, fitted, much)
         if found is None:
             beyond = _beyond(solution, fitted, ends)
@@ -365,15 +395,3 @@ def _patch(
             center[int(keys[3])] = value
     found = {"robot": patch, "disturbance": {"constant": forces} if forces else {}}
     return {section: one for section, one in found.items() if one}
-
-
-def _remarks(recording: Recording, whole: Array, left: Array) -> tuple[str, ...]:
-    remarks = list(recording.remarks)
-    for joint, (torque, residual) in enumerate(zip(whole, left, strict=True)):
-        explained = 1.0 - (residual / torque) ** 2 if torque > 0.0 else 1.0
-        if explained < _FALLS_SHORT:
-            remarks.append(
-                f"joint {joint + 1}: {explained:.0%} of the torque is explained: another arm or "
-                "inertials, a sign, a unit, or a torque constant?"
-            )
-    return tuple(remarks)

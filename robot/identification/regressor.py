@@ -34,6 +34,7 @@ class Equation(NamedTuple):
         columns: of the last body's ten, then armature, viscous and Coulomb friction and the
             constant torque of each joint. Shape (r, n, 10 + 4 n).
         torque: measured torque in [N m]. Shape (r, n).
+        rate: its derivative in [N m/s]. Shape (r, n).
         known: torque of the arm without all of these in [N m]. Shape (r, n).
         time: of each row in [s]. Shape (r,).
         weight: torque in [N m] that each joint has to hold and to turn with 10 rad/s^2, or its
@@ -44,6 +45,7 @@ class Equation(NamedTuple):
 
     columns: Array
     torque: Array
+    rate: Array
     known: Array
     time: Array
     weight: Array
@@ -84,6 +86,7 @@ def equation_of(robot: Robot, log: Kinematics) -> Equation:
     return Equation(
         thinned(log, columns),
         torque,
+        thinned(log, np.gradient(log.torque, 1.0 / log.rate, axis=0)),
         thinned(log, known),
         thinned_time(log),
         weight,

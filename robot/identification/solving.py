@@ -50,7 +50,13 @@ class Solution(NamedTuple):
 
 
 def solve(
-    equation: Equation, flange: Placed, begin: Array, fitted: Array, lower: Array, upper: Array
+    equation: Equation,
+    flange: Placed,
+    begin: Array,
+    fitted: Array,
+    lower: Array,
+    upper: Array,
+    shifted: bool = False,
 ) -> Solution:
     """Fit some of the numbers within their bounds.
 
@@ -64,6 +70,8 @@ def solve(
         fitted: which of them are fitted. Shape (p,).
         lower: least values. Shape (p,).
         upper: greatest values. Shape (p,).
+        shifted: whether the torque was shifted in time by what the log told, see
+            ``lateness_of``: intervals then allow for that too.
     """
     values, noise = _weighted(equation, flange, begin, fitted, (lower, upper))
     slack = _AT_BOUND * (upper - lower)
@@ -80,7 +88,10 @@ def solve(
     rest = equation.torque - equation.known
     scaled = (rest - equation.columns @ extended(flange, free)[0]) / noise
     deviation = np.zeros(len(values))
-    deviation[fitted] = _half_widths(np.compress(fitted, slopes, axis=2), scaled)
+    columns = np.compress(fitted, slopes, axis=2)
+    if shifted:
+        columns = np.dstack([columns, equation.rate / noise])
+    deviation[fitted] = half_widths(columns, scaled)[: int(fitted.sum())]
     residual = rest - equation.columns @ extended(flange, values)[0]
     return Solution(values, free, deviation, slopes.reshape(-1, len(values)), noise, residual)
 
@@ -159,7 +170,7 @@ def _minimum(
     return put(np.asarray(found.x))
 
 
-def _half_widths(slopes: Array, residual: Array) -> Array:
+def half_widths(slopes: Array, residual: Array) -> Array:
     """Return half the widths of the 95 % intervals.
 
     Args:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from slidetune.robot.identification.solving import _critical, _half_widths
+from slidetune.robot.identification.solving import _critical, half_widths
 
 
 @pytest.mark.parametrize(("rho", "least"), [(0.0, 0.93), (0.5, 0.91), (0.8, 0.88), (0.9, 0.84)])
@@ -20,7 +20,7 @@ def test_a_mean_and_a_slope_lie_within_their_intervals(rho: float, least: float)
         noise = lfilter([1.0], [1.0, -rho], random.standard_normal(rows + 100))[100:]
         found = inverse @ slopes[:, 0].T @ noise
         residual = noise - slopes[:, 0] @ found
-        inside.append(np.abs(found) <= _half_widths(slopes, residual[:, None]))
+        inside.append(np.abs(found) <= half_widths(slopes, residual[:, None]))
     assert np.mean(inside) >= least
     assert np.mean(inside) <= 0.99
 
@@ -44,6 +44,6 @@ def test_what_two_joints_share_is_one_piece_of_news() -> None:
     random = np.random.default_rng(1)
     shared = random.standard_normal(400)
     slopes = np.ones((400, 2, 1))
-    twice = _half_widths(slopes, np.stack([shared, shared], axis=1))
-    once = _half_widths(slopes[:, :1], shared[:, None])
+    twice = half_widths(slopes, np.stack([shared, shared], axis=1))
+    once = half_widths(slopes[:, :1], shared[:, None])
     np.testing.assert_allclose(twice, once, rtol=0.08)
