@@ -61,11 +61,11 @@ def with_an_arm(folder: Path) -> None:
 def with_recordings(folder: Path) -> None:
     """Write ``move.csv``, and two logs of one lane, ``monday.mcap`` and ``tuesday.mcap``."""
     experiment = load_preset("realistic").patched(
-        {"lanes": ONE_LANE, "simulation": {"horizon": 4.0, "input_delay": 0.0}}
+        {"lanes": ONE_LANE, "simulation": {"horizon": 3.0, "input_delay": 0.0}}
     )
     run = simulate(experiment, estimate=False)
     (folder / "move.csv").write_text("".join(csv_lines(run)), encoding="utf-8")
-    lane, every = run.lanes["NFTSM"], slice(None, None, 10)  # 100 rows a second
+    lane, every = run.lanes["NFTSM"], slice(None, None, 10)  # 50 rows a second
     told = messages(NAMES, lane.q[every], velocity=lane.v[every], effort=lane.tau[every])
     for name in ("monday", "tuesday"):
         joint_states(folder / f"{name}.mcap", {"/joint_states": told})
