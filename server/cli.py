@@ -140,9 +140,9 @@ def run(
     Exit status: 0 on success, 2 if something is refused, 3 if a lane left its bounds.
     """
     from slidetune.server.chosen_experiment import chosen_experiment
-    from slidetune.server.exports.run_columns import csv_lines
-    from slidetune.server.exports.run_mcap import run_mcap
-    from slidetune.server.exports.run_parquet import run_parquet
+    from slidetune.server.exports.formats import written_as
+    from slidetune.server.exports.mcap_file import mcap_of
+    from slidetune.server.exports.recorded_run import recorded_run
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_bar import progress_bar, simulate_with_bar
     from slidetune.server.report.run_figures import run_page
@@ -162,13 +162,14 @@ def run(
     document = report(result, since)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
+    recorded = recorded_run(result)
     if csv:
-        write_output(csv, csv_lines(result))
+        write_output(csv, written_as(recorded, "csv"))
     if parquet:
-        write_output(parquet, [run_parquet(result)])
+        write_output(parquet, written_as(recorded, "parquet"))
     if mcap:
         with progress_bar(console, "Writing MCAP") as show:
-            write_output(mcap, [run_mcap(result, show)])
+            write_output(mcap, [mcap_of(recorded, show)])
     if html:
         write_output(html, [run_page(result)])
     if "-" not in (json, csv, parquet, mcap, html):

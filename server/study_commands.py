@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +14,7 @@ from slidetune.server.cli_options import (
     JsonOption,
     LawOption,
     PackageDirOption,
+    ParquetOption,
     PresetArgument,
     TipOption,
     TotalMassOption,
@@ -23,6 +25,11 @@ from slidetune.server.cli_options import (
     take_laws,
     urdf_choice,
 )
+
+if TYPE_CHECKING:
+    from slidetune.robot.experiment.document import Experiment
+    from slidetune.robot.study.study import Entry
+    from slidetune.robot.study.sweep import Axis
 
 # Everything that is slow to import waits for the command that needs it.
 
@@ -52,6 +59,23 @@ def _executor(workers: int, scheduler: str) -> AbstractContextManager[Executor]:
             param_hint="--scheduler",
         )
     return study_executor(workers, scheduler, console)
+
+
+def _write_tables(
+    experiment: Experiment,
+    entries: Sequence[Entry],
+    csv: str,
+    parquet: str,
+    axes: Sequence[Axis] = (),
+) -> None:
+    """Write what was tried, one row each, to where it is asked for."""
+    from slidetune.server.report.output_file import write_output
+    from slidetune.server.studies.download import csv_of, parquet_of
+
+    if csv:
+        write_output(csv, [csv_of(experiment, entries, axes)])
+    if parquet:
+        write_output(parquet, [parquet_of(experiment, entries, axes)])
 
 
 def tune(
@@ -90,6 +114,8 @@ def tune(
     out: Annotated[
         str, typer.Option(metavar="FILE", help="Write the experiment with the best gains as YAML.")
     ] = "",
+    csv: CsvOption = "",
+    parquet: ParquetOption = "",
     json: JsonOption = "",
     law: LawOption = None,
     urdf: UrdfOption = None,
@@ -124,15 +150,16 @@ def tune(
         "quiet": quiet,
     }
     wanted = wanted_tuning(experiment, study, given)
-    check_outputs(json, out)
+    check_outputs(csv, parquet, json, out)
     with _executor(workers, scheduler) as executor:
         made, lost = search_with_bar(experiment, wanted, executor, console)
     document = tuning_document(experiment, wanted, made)
+    _write_tables(experiment, made, csv, parquet)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
     if out and document["best"]:
         write_output(out, [experiment_to_yaml(experiment.patched(document["best"]["patch"]))])
-    if "-" not in (json, out):
+    if "-" not in (csv, parquet, json, out):
         print_tuning(experiment, document, output())
     if lost:
         console.print(f"The cluster was lost after {len(made)} trials; what is done is kept.")
@@ -150,6 +177,8 @@ def robustness(
     ] = 0,
     workers: WorkersOption = 0,
     scheduler: SchedulerOption = "",
+    csv: CsvOption = "",
+    parquet: ParquetOption = "",
     json: JsonOption = "",
     law: LawOption = None,
     urdf: UrdfOption = None,
@@ -172,13 +201,14 @@ def robustness(
     take_laws(law)
     experiment = chosen_experiment(preset, arm, console)
     name = lane or next(iter(experiment.lanes))
-    check_outputs(json)
+    check_outputs(csv, parquet, json)
     with _executor(workers, scheduler) as executor:
         made, tried = draws_with_bar(experiment, name, draws, worst, executor, console)
     document = robustness_document(experiment, name, made, tried)
+    _write_tables(experiment, made, csv, parquet)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
-    if json != "-":
+    if "-" not in (csv, parquet, json):
         print_robustness(experiment, document, output())
     if not all(one.outcome.kept for one in (*made, *tried)):
         raise typer.Exit(MISSED)
@@ -197,6 +227,7 @@ def sweep(
     workers: WorkersOption = 0,
     scheduler: SchedulerOption = "",
     csv: CsvOption = "",
+    parquet: ParquetOption = "",
     json: JsonOption = "",
     law: LawOption = None,
     urdf: UrdfOption = None,
@@ -213,19 +244,18 @@ def sweep(
     from slidetune.server.report.run_report import json_text
     from slidetune.server.report.study_bar import sweep_with_bar
     from slidetune.server.report.study_file import wanted_axes
-    from slidetune.server.report.study_report import print_sweep, sweep_document, sweep_lines
+    from slidetune.server.report.study_report import print_sweep, sweep_document
 
     arm = urdf_choice(urdf, package_dir, tip, total_mass)
     take_laws(law)
     experiment, found = chosen_experiment(preset, arm, console), wanted_axes(axes)
     name = lane or next(iter(experiment.lanes))
-    check_outputs(csv, json)
+    check_outputs(csv, parquet, json)
     with _executor(workers, scheduler) as executor:
         points = sweep_with_bar(experiment, name, found, executor, console)
-    if csv:
-        write_output(csv, sweep_lines(experiment, found, points))
+    _write_tables(experiment, points, csv, parquet, found)
     if json:
         document = sweep_document(experiment, name, found, points)
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
-    if "-" not in (csv, json):
+    if "-" not in (csv, parquet, json):
         print_sweep(experiment, found, points, output())

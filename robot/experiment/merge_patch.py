@@ -31,7 +31,8 @@ _TRAJECTORIES = {
 }
 
 
-def _merge(target: Any, patch: Any) -> Any:
+def merged_values(target: Any, patch: Any) -> Any:
+    """Return plain values changed by a JSON Merge Patch (RFC 7396), whatever they stand for."""
     if not isinstance(patch, Mapping):
         return patch
     merged = dict(target) if isinstance(target, Mapping) else {}
@@ -39,7 +40,7 @@ def _merge(target: Any, patch: Any) -> Any:
         if value is None:
             merged.pop(key, None)
         else:
-            merged[key] = _merge(merged.get(key), value)
+            merged[key] = merged_values(merged.get(key), value)
     return merged
 
 
@@ -106,7 +107,7 @@ def merge_patch(document: Document, patch: Mapping[str, Any]) -> Document:
         patch = plain_values(patch)
     except UnfitError as error:
         raise InvalidExperimentError([FieldError(error.path, f"the patch {error}")]) from error
-    merged: Document = _merge(document, patch)
+    merged: Document = merged_values(document, patch)
     if not isinstance(patch, Mapping):
         return merged
     lanes, changes = merged.get("lanes"), patch.get("lanes")

@@ -12,7 +12,7 @@ from slidetune.robot.study.curves import bands
 from slidetune.robot.study.importance import correlations, importance
 from slidetune.robot.study.robustness import Draw, quantiles
 from slidetune.robot.study.study import Entry, Study
-from slidetune.robot.study.sweep import Point
+from slidetune.robot.study.sweep import Axis, Point
 from slidetune.robot.study.tune import Trial, best_of, pareto_front
 from slidetune.robot.study.tuning import Tuning
 
@@ -34,7 +34,7 @@ def result_of(study: Study, entries: Sequence[Entry]) -> Document:
         return robustness_result(draws)
     if study.kind == "worst":
         return worst_result(draws)
-    return {"axes": [{"field": one.field, "values": list(one.values)} for one in _axes(study)]}
+    return {"axes": [{"field": one.field, "values": list(one.values)} for one in axes_of(study)]}
 
 
 def tuning_result(experiment: Experiment, tuning: Tuning, trials: Sequence[Trial]) -> Document:
@@ -73,9 +73,14 @@ def bands_of(study: Study, curves: Sequence[np.ndarray | None]) -> Document:
     return {**bands(known, study.experiment.simulation.horizon), "draws": len(known)}
 
 
-def table_of(study: Study, entries: Sequence[Entry]) -> dict[str, list[Any]]:
-    """Return entries as columns: what was set, figures, ratios, cost, and when it diverged."""
-    names = [one.field for one in _axes(study)] if study.kind == "sweep" else []
+def table_of(entries: Sequence[Entry], axes: Sequence[Axis] = ()) -> dict[str, list[Any]]:
+    """Return entries as columns: what was set, figures, ratios, cost, and when it diverged.
+
+    Args:
+        entries: of one study.
+        axes: those of a sweep.
+    """
+    names = [one.field for one in axes]
     columns: dict[str, list[Any]] = {}
     for place, one in enumerate(entries):
         row: dict[str, Any] = {"number": place}
@@ -95,6 +100,7 @@ def table_of(study: Study, entries: Sequence[Entry]) -> dict[str, list[Any]]:
     return columns
 
 
-def _axes(study: Study) -> list[Any]:
+def axes_of(study: Study) -> list[Axis]:
+    """Return the axes of a sweep; no other study has any."""
     values = getattr(study.wanted, "values", None)
     return values() if values is not None else []

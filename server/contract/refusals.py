@@ -25,6 +25,7 @@ from slidetune.robot.handover.self_check import HandOverError
 from slidetune.server.compute.workers import BusyError
 from slidetune.server.contract.openapi import methods_at
 from slidetune.server.contract.wrong_request import refused_fields
+from slidetune.server.exports.refused import ExportError, NoRowsError
 from slidetune.server.guard.errors import error_body
 from slidetune.server.guard.limits import (
     MessageTooLargeError,
@@ -70,6 +71,8 @@ _STATUS: tuple[tuple[type[SlidetuneError], int, str], ...] = (
     (RefusedLogError, 422, "refused_log"),
     (LogStorageError, 507, "storage"),
     (HandOverError, 422, "hand_over"),
+    (NoRowsError, 422, "no_rows"),
+    (ExportError, 507, "storage"),
     (UnknownStudyError, 404, "unknown_study"),
     (StudyStorageError, 507, "storage"),
 )

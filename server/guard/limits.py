@@ -28,6 +28,8 @@ MAX_LOGS = 4
 """Most logs that are kept at once (*ours*): two to show, and two to change them for."""
 MAX_HAND_OVERS = 2
 """Most hand-overs that are made at once (*ours*), each in a process of its own."""
+MAX_EXPORTS = 2
+"""Most exports that are written at once (*ours*), each in a process of its own."""
 CLIENT_RATE = 240.0
 """Messages a second that one client may send over the live WebSocket (*ours*): four times what a
 drag sends at 60 pictures a second. Frames that bring no whole message, such as pings, may come as
@@ -96,6 +98,7 @@ def limits_document() -> dict[str, int]:
         "log_bytes": LARGEST_FILE,
         "logs": MAX_LOGS,
         "hand_overs": MAX_HAND_OVERS,
+        "exports": MAX_EXPORTS,
         "client_messages_a_second": int(CLIENT_RATE),
         "client_messages_at_once": CLIENT_BURST,
         "all_patches_a_second": int(TOTAL_RATE),

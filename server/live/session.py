@@ -21,7 +21,7 @@ from slidetune.server.live.pacing import TICK, Pacer, come_first
 from slidetune.server.live.push import Push, torque_of_kick
 from slidetune.server.live.recorder import Recorder
 from slidetune.server.live.roughness import Roughness
-from slidetune.server.live.telemetry import Telemetry, rows_of
+from slidetune.server.live.telemetry import Telemetry, frozen_rows, rows_of
 from slidetune.server.live.view import View
 
 log = logging.getLogger("slidetune.session")
@@ -310,7 +310,8 @@ class Session:
                 loop.step()
         rows = rows_of(loop, first, loop.number)
         self._roughness.look(loop)
-        self.telemetry.write(rows, time, loop.period, self.revision)
+        still = frozen_rows(loop, time, len(rows))
+        self.telemetry.write(rows, time, loop.period, self.revision, still)
         self.figures.add(rows, loop, time)
         for watch in tuple(self.watches.values()):
             watch.look(rows, self.telemetry.columns, loop, (self.revision, self.epoch), time)

@@ -15,8 +15,8 @@ from slidetune.robot.loop.closed_loop import ClosedLoop
 
 Array = np.ndarray
 
-ROWS = 32768
-"""Rows that the ring holds (*ours*): half a minute at 1 kHz."""
+ROWS = 65536
+"""Rows that the ring holds (*ours*): a minute at 1 kHz, as long as the plots of the page show."""
 LAG = 4096
 """Rows that a reader may be behind before it is skipped ahead (*ours*)."""
 
@@ -47,6 +47,25 @@ class Channel:
     joint: int | str
     lane: str
     unit: str
+
+
+@dataclass(frozen=True)
+class KeptRows:
+    """Rows one after another, whose time runs forward.
+
+    Attributes:
+        columns: what each column is.
+        time: simulated time in [s]. Shape (n,).
+        revision: revision of the experiment that made each row. Shape (n,).
+        values: the columns' values, in their units, of single precision. Shape (n, columns).
+        frozen: which lanes stood still, bit ``i`` being lane ``i``'s. Shape (n,).
+    """
+
+    columns: tuple[Channel, ...]
+    time: Array
+    revision: Array
+    values: Array
+    frozen: Array
 
 
 def channels(lanes: list[str], joints: int, slides: Sequence[bool] = ()) -> list[Channel]:
@@ -93,6 +112,23 @@ def rows_of(loop: ClosedLoop, first: int, last: int) -> Array:
     return np.hstack(blocks)
 
 
+def frozen_rows(loop: ClosedLoop, time: float, count: int) -> Array | int:
+    """Return which lanes stand still, by row: bit ``i`` is lane ``i``'s. Shape (count,), or 0.
+
+    Args:
+        loop: the lanes, after the last of these rows.
+        time: time of the first in [s].
+        count: how many there are.
+    """
+    found: Array | int = 0
+    for place, lane in enumerate(loop.lanes.values()):
+        if lane.freeze is not None:
+            # The row of the freeze itself is the last that the lane made.
+            after = time + loop.period * np.arange(count) > lane.freeze.time + loop.period / 2
+            found = found | (after.astype(np.uint8) << place)
+    return found
+
+
 class Telemetry:
     """Rows written by one thread and read by others.
 
@@ -115,8 +151,11 @@ class Telemetry:
         self._time = np.zeros(rows)
         self._period = np.zeros(rows)
         self._revision = np.zeros(rows, dtype=np.int64)
+        self._frozen = np.zeros(rows, dtype=np.uint8)
 
-    def write(self, block: Array, time: float, period: float, revision: int) -> None:
+    def write(
+        self, block: Array, time: float, period: float, revision: int, frozen: Array | int = 0
+    ) -> None:
         """Append rows.
 
         Args:
@@ -124,6 +163,7 @@ class Telemetry:
             time: time of the first in [s].
             period: time between rows in [s].
             revision: revision of the experiment that made them.
+            frozen: which lanes stood still; see ``frozen_rows``.
         """
         count = len(block)
         index = (self.written + np.arange(count)) % self._rows
@@ -132,6 +172,7 @@ class Telemetry:
         self._time[index] = time + period * np.arange(count)
         self._period[index] = period
         self._revision[index] = revision
+        self._frozen[index] = frozen
         self.written += count
 
     def frame(self, cursor: int) -> tuple[bytes, int] | None:
@@ -162,3 +203,27 @@ class Telemetry:
             float(self._period[index[0]]),
         )
         return head + self._data[index].T.tobytes(), first + count
+
+    def last(self, seconds: float) -> KeptRows:
+        """Return the newest rows, as far back as time runs forward and they are kept.
+
+        Args:
+            seconds: simulated time in [s] that they cover at most.
+        """
+        written = self.written
+        # Without the oldest part: the writer may fill it meanwhile.
+        index = np.arange(max(0, written - self._rows + LAG), written) % self._rows
+        time = self._time[index]
+        jumps = np.flatnonzero(np.diff(time) <= 0.0)
+        begin = int(jumps[-1]) + 1 if len(jumps) else 0
+        if written:
+            earliest = time[-1] - seconds - self._period[index[-1]] / 2
+            begin += int(np.searchsorted(time[begin:], earliest))
+        index = index[begin:]
+        return KeptRows(
+            tuple(self.columns),
+            time[begin:],
+            self._revision[index],
+            self._data[index],
+            self._frozen[index],
+        )

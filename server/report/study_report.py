@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rich import box
@@ -12,7 +12,6 @@ from rich.text import Text
 
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.experiment.document import Experiment
-from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES, STUDIED
 from slidetune.robot.loop.verdict import said
 from slidetune.robot.study.judgement import MEANS
@@ -67,21 +66,6 @@ def sweep_document(
         "points": [point.document() for point in points],
         "experiment": experiment.document(),
     }
-
-
-def sweep_lines(
-    experiment: Experiment, axes: Sequence[Axis], points: Sequence[Point]
-) -> Iterator[str]:
-    """Yield a sweep as CSV, SI units in the heading."""
-    slides = _slides(experiment)
-    figures = [f"{name} [{unit_of_joints(FIGURES[name].unit, slides)}]" for name in STUDIED]
-    ratios = [f'"ratio of {name}"'.replace(",", ";") for name in experiment.goals]
-    ended = f"{_ENDED.title} [{_ENDED.unit}]"
-    yield ",".join([*(one.field for one in axes), *figures, *ratios, ended]) + "\n"
-    for point in points:
-        one = point.outcome
-        cells = [*point.values, *one.figures.values(), *one.ratios.values(), one.diverged_at]
-        yield ",".join("" if cell is None else f"{cell:.9g}" for cell in cells) + "\n"
 
 
 def _slides(experiment: Experiment) -> tuple[bool, ...]:

@@ -12,7 +12,7 @@ from slidetune.robot.lenses import look_through, only_known_lane
 from slidetune.robot.lenses.threshold import threshold_of
 from slidetune.server.compute.run_cost import refuse_if_costly
 from slidetune.server.contract.messages import ErrorAnswer, Strict
-from slidetune.server.routes.disconnect import until_gone
+from slidetune.server.guard.disconnect import until_gone
 from slidetune.server.state.app_state import AppState
 
 LensName = Literal["sliding", "network", "chattering", "prediction"]

@@ -27,9 +27,9 @@ from slidetune.server.contract.logs import (
 from slidetune.server.contract.messages import ErrorAnswer
 from slidetune.server.contract.openapi import multipart
 from slidetune.server.contract.wrong_request import refused_fields
+from slidetune.server.guard.disconnect import until_gone
 from slidetune.server.logs.overlay import overlay_of
 from slidetune.server.logs.work_apart import identify_apart, read_apart, trajectory_apart
-from slidetune.server.routes.disconnect import until_gone
 from slidetune.server.routes.preview import BINARY
 from slidetune.server.state.app_state import AppState
 

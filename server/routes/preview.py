@@ -9,7 +9,7 @@ from pydantic import Field
 
 from slidetune.server.compute.preview import encode_responses
 from slidetune.server.contract.messages import ErrorAnswer, Strict
-from slidetune.server.routes.disconnect import until_gone
+from slidetune.server.guard.disconnect import until_gone
 from slidetune.server.state.app_state import AppState
 
 BINARY = "application/octet-stream"

@@ -31,6 +31,7 @@ from slidetune.server.state.edit_history import EditHistory
 from slidetune.server.state.last_results import LastResults
 from slidetune.server.state.probation import Probation
 from slidetune.server.state.published import law_infos, published_schema
+from slidetune.server.state.recent_edits import RecentEdits
 from slidetune.server.studies.runner import StudyRunner
 from slidetune.server.studies.store import StudyStore, study_folder
 
@@ -64,6 +65,7 @@ class AppState:
         view: the 3D view.
         probation: new gains that go back by themselves if they don't hold.
         history: who changed what.
+        recent_edits: every single edit of the last minutes.
         workers: threads for whole runs.
         previews: whole responses for the screen.
         results: what the owner last asked for of the live experiment.
@@ -96,7 +98,8 @@ class AppState:
         self.document = Document(packed, preset, self.session, self.colors)
         self.probation = Probation(self.document, self.session)
         self.history = EditHistory(experiment)
-        self.document.listeners.append(self.history.note)
+        self.recent_edits = RecentEdits(experiment, self.document.revision)
+        self.document.listeners += [self.history.note, self.recent_edits.note]
         self.workers = Workers()
         self.previews = Previews(self.workers)
         self.results = LastResults()

@@ -14,12 +14,14 @@ from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from slidetune.robot.arm.known import arm_named
 from slidetune.robot.errors import FieldError, InvalidExperimentError
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.plain_yaml import is_plain_text
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
 from slidetune.robot.fields.units import unit_of_joints
 from slidetune.robot.loop.figures import FIGURES
-from slidetune.robot.study.results import result_of, table_of
+from slidetune.robot.study.results import axes_of, result_of, table_of
 from slidetune.robot.study.study import Entry, Study
+from slidetune.robot.study.sweep import Axis
 from slidetune.robot.study.tune import Trial, best_of
 
 Format = Literal["yaml", "csv", "parquet", "preset"]
@@ -60,7 +62,7 @@ def download(
     elif format == "yaml":
         content = _document(study, title, entries)
     else:
-        content = writers[format](study, entries)
+        content = writers[format](study.experiment, entries, axes_of(study))
     return content, MEDIA[format]
 
 
@@ -74,12 +76,18 @@ def unit_of(column: str, slides: Sequence[bool] = ()) -> str:
     return unit_of_joints(FIGURES[column].unit, slides) if column in FIGURES else ""
 
 
-def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
-    """Return entries as CSV, one a line, SI units in the heading."""
-    table = table_of(study, entries)
+def csv_of(experiment: Experiment, entries: Sequence[Entry], axes: Sequence[Axis] = ()) -> bytes:
+    """Return entries as CSV, one a line, SI units in the heading.
+
+    Args:
+        experiment: what was studied.
+        entries: of one study.
+        axes: those of a sweep.
+    """
+    table = table_of(entries, axes)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    slides = arm_named(study.experiment.robot.model).slides
+    slides = arm_named(experiment.robot.model).slides
     units = {name: unit_of(name, slides) for name in table}
     writer.writerow(f"{name} [{unit}]" if unit else name for name, unit in units.items())
     for row in zip(*table.values(), strict=True):
@@ -87,10 +95,18 @@ def csv_of(study: Study, entries: Sequence[Entry]) -> bytes:
     return text.getvalue().encode()
 
 
-def parquet_of(study: Study, entries: Sequence[Entry]) -> bytes:
-    """Return entries as a Parquet file; each column's ``unit`` is in its metadata."""
-    table = table_of(study, entries)
-    slides = arm_named(study.experiment.robot.model).slides
+def parquet_of(
+    experiment: Experiment, entries: Sequence[Entry], axes: Sequence[Axis] = ()
+) -> bytes:
+    """Return entries as a Parquet file; each column's ``unit`` is in its metadata.
+
+    Args:
+        experiment: what was studied.
+        entries: of one study.
+        axes: those of a sweep.
+    """
+    table = table_of(entries, axes)
+    slides = arm_named(experiment.robot.model).slides
     units = {name: unit_of(name, slides) for name in table}
     fields = [Field(name, _type(name), metadata={"unit": unit}) for name, unit in units.items()]
     columns = [Array(table[one.name], one.type) for one in fields]

@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from slidetune.robot.experiment.presets import SHIPPED_FOLDER, link_to, presets
 from slidetune.robot.loop.simulate import simulate
+from slidetune.robot.recordings.mcap_file import McapFile
 from tests.own_laws import EXAMPLE, before_torque
 
 ROOT = SHIPPED_FOLDER.parent
@@ -57,9 +59,8 @@ def short(tmp_path: Path) -> Experiment:
 
 
 def test_run_writes_what_simulate_returns(short: Experiment, tmp_path: Path) -> None:
-    done = slidetune(
-        "run", "short.yaml", "--json", "-", "--csv", "a.csv", "--since", "0.1", folder=tmp_path
-    )
+    files = ("--csv", "a.csv", "--parquet", "a.parquet", "--mcap", "a.mcap")
+    done = slidetune("run", "short.yaml", "--json", "-", *files, "--since", "0.1", folder=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     document, run = strict(done.stdout), simulate(short)
     assert document["experiment"] == short.document()
@@ -73,6 +74,9 @@ def test_run_writes_what_simulate_returns(short: Experiment, tmp_path: Path) -> 
     assert header.startswith("time [s],q_d1 [rad],")
     assert '"B, [red]/tau6 [N·m]"' in header
     assert len(rows) == len(run.time) == 301
+    table = pd.read_parquet(tmp_path / "a.parquet")
+    assert np.array_equal(table["B, [red]/tau6 [N·m]"], run.lanes["B, [red]"].tau[:, 5])
+    assert McapFile(tmp_path / "a.mcap", "/a/joint_states").names[1] == "joint_1/position"
 
 
 def test_run_prints_every_lane_with_its_figures(short: Experiment, tmp_path: Path) -> None:

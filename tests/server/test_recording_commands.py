@@ -12,7 +12,8 @@ import pytest
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
 from slidetune.robot.loop.simulate import Run, simulate
-from slidetune.server.exports.run_columns import csv_lines
+from slidetune.server.exports.csv_file import csv_lines
+from slidetune.server.exports.recorded_run import recorded_run
 from tests.server.test_cli import slidetune, strict
 
 PRESET: dict[str, Any] = {
@@ -37,7 +38,7 @@ def run(tmp_path: Path) -> Run:
     smooth = experiment.patched({"robot": {"viscous_friction": 0, "coulomb_friction": 0}})
     for name, one in (("two.yaml", experiment), ("smooth.yaml", smooth)):
         (tmp_path / name).write_text(experiment_to_yaml(one), encoding="utf-8")
-    (tmp_path / "log.csv").write_text("".join(csv_lines(found)), encoding="utf-8")
+    (tmp_path / "log.csv").write_text("".join(csv_lines(recorded_run(found))), encoding="utf-8")
     lines = (tmp_path / "log.csv").read_text(encoding="utf-8").split("\n")
     (tmp_path / "late.csv").write_text("\n".join([lines[0], *lines[501:]]), encoding="utf-8")
     return found

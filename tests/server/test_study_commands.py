@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
@@ -115,7 +116,8 @@ def test_a_bad_study_is_refused_before_anything_runs(
 
 def test_robustness_tells_quantiles_and_the_worst_found(goal: Experiment, tmp_path: Path) -> None:
     arguments = ("robustness", "goal.yaml", "--draws", "12", "--worst", "16")
-    done = slidetune(*arguments, "--json", "r.json", folder=tmp_path)
+    files = ("--json", "r.json", "--csv", "r.csv", "--parquet", "r.parquet")
+    done = slidetune(*arguments, *files, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "p95" in done.stdout
     assert "Worst found (no proof that there is none worse)" in done.stdout
@@ -125,6 +127,8 @@ def test_robustness_tells_quantiles_and_the_worst_found(goal: Experiment, tmp_pa
     assert all(0.0 <= mass <= 3.0 for mass in masses)
     errors = sorted(draw["outcome"]["figures"]["mae"] for draw in document["draws"])
     assert document["quantiles"]["figures"]["mae"]["worst"] == errors[-1]
+    for table in (pd.read_csv(tmp_path / "r.csv"), pd.read_parquet(tmp_path / "r.parquet")):
+        assert table["payload"].tolist() == masses
 
 
 def test_sweep_writes_one_row_a_combination(goal: Experiment, tmp_path: Path) -> None:
@@ -134,9 +138,9 @@ def test_sweep_writes_one_row_a_combination(goal: Experiment, tmp_path: Path) ->
     assert "chattering" in done.stdout
     with (tmp_path / "s.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
-    assert rows[0][:3] == ["k1", "robot.payload.mass", "mae [rad]"]
+    assert rows[0][:4] == ["number", "k1", "robot.payload.mass", "mae [rad]"]
     assert len(rows) == 7
     assert all(len(row) == len(rows[0]) for row in rows)
     swept = goal.patched({"lanes": {LANE: {"k1": 500.0}}, "robot": {"payload": {"mass": 2.0}}})
     mae = simulate(swept, estimate=False).lanes[LANE].metrics.mae.mean()
-    assert float(rows[-1][2]) == pytest.approx(mae, rel=1e-6)
+    assert float(rows[-1][3]) == pytest.approx(mae, rel=1e-6)

@@ -89,6 +89,14 @@ export async function request(method, address, body, signal) {
 }
 
 /**
+ * @param {string} address
+ * @param {object} body
+ * @returns {Promise<Blob>} the answer as a file, whatever is in it
+ * @throws {ApiError} when the server refuses or can't be reached
+ */
+export async function requestFile(address, body) { return (await answer('POST', address, body)).blob(); }
+
+/**
  * Read an answer of one JSON object a line while it is still being written.
  *
  * @param {string} address

@@ -6,7 +6,8 @@ import {icon} from './icons.js';
 
 /**
  * @typedef {{name: string, label: string, value?: string, hint?: string, long?: boolean,
- *   required?: boolean, length?: number}} Question
+ *   required?: boolean, length?: number, options?: {value: string, text: string}[]}} Question
+ *   `options`: one of these, not any text
  */
 
 /**
@@ -58,12 +59,16 @@ export function ask(title, questions, action, run) {
     class: 'button', type: 'button', on: {click: () => dialog.close()},
   }, 'Cancel');
   const buttons = element('div', {class: 'dialog-buttons'}, cancel, submit);
-  const form = element('form', {class: 'dialog-form'}, ...questions.map(asked), alert, buttons);
+  const progress = element('div', {class: 'dialog-progress', 'aria-hidden': 'true', hidden: true});
+  const form = element(
+    'form', {class: 'dialog-form'}, ...questions.map(asked), alert, progress, buttons,
+  );
   const relabel = (/** @type {string} */ text) => { submit.textContent = text; };
   form.addEventListener('input', () => { alert.textContent = ''; relabel(action); });
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     submit.disabled = true;
+    progress.hidden = false;
     try {
       const entries = [...new FormData(form)].map(([name, value]) => [name, String(value)]);
       await run(Object.fromEntries(entries), {relabel});
@@ -72,6 +77,7 @@ export function ask(title, questions, action, run) {
       alert.textContent = /** @type {Error} */ (error).message;
     }
     submit.disabled = false;
+    progress.hidden = true;
   });
   const dialog = showDialog(title, form);
   const first = form.querySelector('input');
@@ -80,13 +86,19 @@ export function ask(title, questions, action, run) {
 }
 
 /** @param {Question} question */
-function asked({name, label, value = '', hint, long = false, required = false, length = 200}) {
+function asked({name, label, value = '', hint, long = false, required = false, length = 200, options}) {
   const id = freshId('answer');
+  const note = hint && element('small', {class: 'dialog-hint'}, hint);
+  if (options) {
+    const choices = options.map((one) => element('option', {value: one.value}, one.text));
+    const list = element('select', {id, name, class: 'select'}, ...choices);
+    list.value = value || options[0].value;
+    return element('div', {class: 'question'}, element('label', {for: id}, label), list, note);
+  }
   const attributes = {
     id, name, required, maxlength: length, autocomplete: 'off', spellcheck: 'false', class: 'text-box',
   };
   const box = long ? element('textarea', {...attributes, rows: 4}) : element('input', attributes);
   box.value = value;
-  const note = hint && element('small', {class: 'dialog-hint'}, hint);
   return element('div', {class: 'question'}, element('label', {for: id}, label), box, note);
 }

@@ -3,6 +3,7 @@
 
 import {element} from '../dom/element.js';
 import {library, themeOf} from '../plots/figure.js';
+import {saveImageButton} from '../plot_view/save_image.js';
 import {RedrawPace} from '../screen/redraw_pace.js';
 
 /** @typedef {import('../plots/figure.js').Theme & {accent: string}} Colors */
@@ -61,7 +62,9 @@ export class LensFigure {
   constructor({height, click}) {
     this.#height = height;
     this.#click = click;
-    this.element = element('div', {class: 'lens-figure'}, this.#graph);
+    this.element = element(
+      'div', {class: 'lens-figure'}, this.#graph, saveImageButton(this.#graph),
+    );
     this.element.style.height = `${height}px`;
     new ResizeObserver(([{contentRect}]) => {
       this.#width = Math.floor(contentRect.width);

@@ -9,6 +9,7 @@ import {gainText} from './gain_names.js';
 import {element} from '../dom/element.js';
 import {drawLines, linesAt} from './parallel_lines.js';
 import {ParallelAxis} from './parallel_axes.js';
+import {saveImageButton} from '../plot_view/save_image.js';
 import {PlotFrame, penOf} from './plot_frame.js';
 import {written} from '../fields/quantity.js';
 import {heightHere} from '../screen/low_screen.js';
@@ -58,7 +59,7 @@ export class Parallel {
     this.#names = names;
     this.#on = on;
     const place = this.#frame.element;
-    place.append(this.#canvas, this.#strips);
+    place.append(this.#canvas, this.#strips, saveImageButton(this.#frame.graph, this.#canvas));
     this.element = element('div', {}, place,
       element('div', {class: 'search-row'}, this.#words, this.#clear));
     place.addEventListener('pointermove', (event) => {

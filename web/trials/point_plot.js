@@ -7,6 +7,7 @@
 
 import {axis} from '../lenses/figure.js';
 import {element} from '../dom/element.js';
+import {saveImageButton} from '../plot_view/save_image.js';
 import {PlotFrame, layoutIn, penOf} from './plot_frame.js';
 import {drawMark, drawPoint, drawSteps} from './point_marks.js';
 import {heightHere} from '../screen/low_screen.js';
@@ -50,7 +51,7 @@ export class PointPlot {
   constructor(on) {
     this.#on = on;
     this.element = this.#frame.element;
-    this.element.append(this.#canvas);
+    this.element.append(this.#canvas, saveImageButton(this.#frame.graph, this.#canvas));
     const focus = (/** @type {PointerEvent} */ event) => {
       if (event.pointerType !== 'touch') on.focus(this.#at(event));
     };

@@ -15,7 +15,8 @@ from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.recordings.limits import LARGEST_FILE, MOST_ROWS
 from slidetune.robot.recordings.recording import Wanted, columns_of, read_recording
 from slidetune.robot.recordings.refused import RecordingError
-from slidetune.server.exports.run_columns import csv_lines
+from slidetune.server.exports.csv_file import csv_lines
+from slidetune.server.exports.recorded_run import recorded_run
 from tests.robot.recordings.files import plain, swing, table
 
 Array = np.ndarray
@@ -46,7 +47,7 @@ def test_an_exported_run_comes_back_to_the_last_bit(tmp_path: Path, arm: KnownAr
     lanes = {"A": {"law": "smc"}, "Computed torque": {"law": "computed_torque"}}
     run = simulate(Experiment.from_document({"lanes": lanes, "simulation": {"horizon": 0.5}}))
     path = tmp_path / "run.csv"
-    path.write_text("".join(csv_lines(run)), encoding="utf-8")
+    path.write_text("".join(csv_lines(recorded_run(run))), encoding="utf-8")
     said = str(refused(path, arm))
     assert "A, Computed torque" in said
     assert "source" in said

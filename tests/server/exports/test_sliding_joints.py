@@ -15,7 +15,8 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
 from slidetune.robot.handover.package import package
 from slidetune.robot.loop.simulate import simulate
-from slidetune.server.exports.run_columns import run_columns
+from slidetune.server.exports.columns import columns_of
+from slidetune.server.exports.recorded_run import recorded_run
 from slidetune.server.report.run_figures import run_page
 from slidetune.server.report.run_report import print_report, report
 from slidetune.server.state.published import published_schema
@@ -73,7 +74,7 @@ def test_a_report_has_the_unit_of_an_arm_that_slides_or_says_that_it_is_mixed() 
 
 def test_columns_and_axes_have_the_unit_of_their_joint() -> None:
     run = simulate(experiment("both"))
-    names = [name for name, _ in run_columns(run)]
+    names = [name for name, _ in columns_of(recorded_run(run))]
     assert "A/q1 [m]" in names
     assert "A/q2 [rad]" in names
     assert "A/tau1 [N]" in names

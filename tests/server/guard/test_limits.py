@@ -54,6 +54,8 @@ BODY_ROUTES = [
     ("POST", "/api/lens"),
     ("POST", "/api/threshold"),
     ("POST", "/api/hand-over"),
+    ("POST", "/api/exports/window"),
+    ("POST", "/api/exports/run"),
     ("POST", "/api/studies"),
     ("POST", "/api/studies/accept"),
     ("POST", "/api/studies/strip"),

@@ -10,7 +10,7 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.kernels.workspace import R_Q, R_QD
 from slidetune.robot.loop.closed_loop import ClosedLoop
-from slidetune.server.live.telemetry import HEADER, LAG, Telemetry, channels, rows_of
+from slidetune.server.live.telemetry import HEADER, LAG, Telemetry, channels, frozen_rows, rows_of
 
 LANES = ["A", "B"]
 
@@ -116,3 +116,61 @@ def test_rows_are_what_the_loop_recorded() -> None:
 def test_channels_name_every_column_once() -> None:
     names = [channel.name for channel in channels(LANES, 6)]
     assert len(set(names)) == len(names)
+
+
+def test_the_last_rows_are_those_of_so_many_seconds() -> None:
+    telemetry = Telemetry(LANES, 6)
+    telemetry.write(block(500), time=0.0, period=0.001, revision=1)
+    telemetry.write(block(500, 500), time=0.5, period=0.001, revision=2)
+    kept = telemetry.last(0.6)
+    assert np.allclose(kept.time, np.arange(399, 1000) * 0.001)
+    assert np.array_equal(kept.values[:, 0], np.arange(399, 1000))
+    assert kept.revision.tolist() == [1] * 101 + [2] * 500
+    assert len(telemetry.last(60.0).time) == 1000
+    assert len(Telemetry(LANES, 6).last(60.0).time) == 0
+
+
+def test_the_last_rows_end_where_time_ran_back() -> None:
+    telemetry = Telemetry(LANES, 6)
+    telemetry.write(block(500), time=0.0, period=0.001, revision=1)
+    telemetry.write(block(300, 500), time=0.2, period=0.001, revision=2)
+    kept = telemetry.last(60.0)
+    assert kept.time[0] == 0.2
+    assert np.array_equal(kept.values[:, 0], np.arange(500, 800))
+
+
+def test_the_last_rows_never_hold_one_that_is_being_overwritten() -> None:
+    telemetry = Telemetry(LANES, 6, rows=8192)
+    for start in range(0, 20000, 500):
+        telemetry.write(block(500, start), start * 0.001, 0.001, 1)
+    kept = telemetry.last(60.0)
+    assert np.array_equal(kept.values[:, 0], np.arange(20000 - 8192 + LAG, 20000))
+
+
+def test_rows_after_a_freeze_say_so_until_the_lane_begins_anew() -> None:
+    wild = {"law": "nftsm", "k1": 1000.0, "k2": 1000.0}
+    calm = {"law": "computed_torque", "kp": 400.0, "kd": 40.0}
+    document = {"lanes": {"A": calm, "B": wild}}
+    simulation = {"mode": "sampled", "horizon": 10.0}
+    packed = pack(Experiment.from_document({**document, "simulation": simulation}))
+    loop = ClosedLoop(packed, 4096)
+    telemetry = Telemetry(LANES, 6)
+
+    def advance(count: int) -> None:
+        time, first = loop.time, loop.number
+        for _ in range(count):
+            loop.step()
+        still = frozen_rows(loop, time, count)
+        telemetry.write(rows_of(loop, first, loop.number), time, loop.period, 1, still)
+
+    advance(100)
+    freeze = loop.lanes["B"].freeze
+    assert freeze is not None
+    loop.restart_lane("B")
+    advance(1)
+    kept = telemetry.last(60.0)
+    still = kept.frozen >> 1 & 1
+    assert np.array_equal(still[:-1], kept.time[:-1] > freeze.time + loop.period / 2)
+    assert 0 < still.sum() < 100
+    assert still[-1] == 0
+    assert not (kept.frozen & 1).any()

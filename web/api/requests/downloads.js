@@ -1,7 +1,7 @@
 // @ts-check
 /** Files that the server makes of the live experiment and of the live session. */
 
-import {request} from '../http.js';
+import {request, requestFile} from '../http.js';
 
 /**
  * Hand a lane of the live experiment over to a real controller.
@@ -14,3 +14,24 @@ import {request} from '../http.js';
 export function handOver(lane, controller, draws) {
   return request('POST', '/api/hand-over', {lane, controller, draws});
 }
+
+/** @typedef {'csv'|'parquet'|'mcap'} Format */
+
+/**
+ * The newest rows of the live session.
+ *
+ * @param {Format} format
+ * @param {number} seconds of simulated time at most
+ * @returns {Promise<Blob>}
+ */
+export function windowAs(format, seconds) {
+  return requestFile('/api/exports/window', {format, seconds});
+}
+
+/**
+ * A whole run of the live experiment.
+ *
+ * @param {Format} format
+ * @returns {Promise<Blob>}
+ */
+export function runAs(format) { return requestFile('/api/exports/run', {format}); }

@@ -9,7 +9,9 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.loop.simulate import Run, simulate
-from slidetune.server.exports.run_columns import csv_lines, run_columns
+from slidetune.server.exports.columns import columns_of
+from slidetune.server.exports.csv_file import csv_lines
+from slidetune.server.exports.recorded_run import recorded_run
 
 
 def experiment(mode: str) -> Experiment:
@@ -28,15 +30,17 @@ def wild() -> Run:
 
 
 def read(run: Run) -> tuple[list[str], np.ndarray]:
-    header, *rows = csv.reader("".join(csv_lines(run)).splitlines())
+    header, *rows = csv.reader("".join(csv_lines(recorded_run(run))).splitlines())
     return header, np.array([[float(cell or "nan") for cell in row] for row in rows])
 
 
 def test_every_number_reads_back_to_the_last_bit(calm: Run) -> None:
     header, values = read(calm)
-    names = [name for name, _ in run_columns(calm)]
+    names = [name for name, _ in columns_of(recorded_run(calm))]
     assert header == names
-    assert np.array_equal(values, np.column_stack([column for _, column in run_columns(calm)]))
+    assert np.array_equal(
+        values, np.column_stack([column for _, column in columns_of(recorded_run(calm))])
+    )
 
 
 def test_columns_hold_the_whole_run(calm: Run) -> None:
@@ -63,7 +67,7 @@ def test_columns_hold_the_whole_run(calm: Run) -> None:
 
 def test_a_lane_that_diverged_leaves_empty_cells_and_never_nan(wild: Run) -> None:
     assert wild.lanes["A"].freeze is not None
-    text = "".join(csv_lines(wild))
+    text = "".join(csv_lines(recorded_run(wild)))
     assert "nan" not in text
     header, values = read(wild)
     stopped = np.isnan(values[:, header.index("A/q1 [rad]")])

@@ -1,0 +1,48 @@
+// @ts-check
+/** The live session, or a whole run, as a file of numbers. */
+
+import {runAs, windowAs} from '../api/requests/downloads.js';
+import {ask} from '../dom/dialog.js';
+import {fileName, saveFile} from '../dom/save_file.js';
+
+/** @typedef {import('../api/requests/downloads.js').Format} Format */
+
+const WHAT = [
+  {value: 'window', text: 'Live session: its last seconds, with every edit'},
+  {value: 'run', text: 'Whole run: from 0 s to the horizon'},
+];
+const FORMATS = [
+  {value: 'csv', text: 'CSV: spreadsheets'},
+  {value: 'parquet', text: 'Parquet: pandas, Polars, DuckDB'},
+  {value: 'mcap', text: 'MCAP: Foxglove, PlotJuggler, ROS 2'},
+];
+const SECONDS = 'Of the live session, in simulated time: 60 at most, back to the last reset or change '
+  + 'of lanes. A whole run takes no notice of it';
+
+/**
+ * Ask what is exported, and as what, and save it.
+ *
+ * @param {import('../api/api.js').Api} api
+ */
+export function exportNumbers(api) {
+  ask('Export numbers', [
+    {name: 'what', label: 'What', options: WHAT},
+    {name: 'format', label: 'Format', options: FORMATS},
+    {name: 'seconds', label: 'Seconds', value: '10', hint: SECONDS, required: true},
+  ], 'Download', async ({what, format, seconds}, {relabel}) => {
+    const chosen = /** @type {Format} */ (format);
+    const count = Number(seconds);
+    if (what === 'window' && !(count > 0 && count <= 60)) {
+      throw new Error(`Seconds must be a number above 0, up to 60; got ${seconds}.`);
+    }
+    relabel('Being written …');
+    try {
+      await api.settled();
+      const file = await (what === 'run' ? runAs(chosen) : windowAs(chosen, count));
+      const name = fileName(api.experiment.title) || 'slidetune';
+      saveFile(`${name}-${what}.${format}`, file, file.type);
+    } finally {
+      relabel('Download');
+    }
+  });
+}
