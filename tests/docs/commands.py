@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import re
 import shlex
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from docs.site.command_page import commands
@@ -16,6 +18,34 @@ _MODULE = re.compile(r"(?:\.venv/bin/)?python -m ([\w.]+)(?: (.*))?")
 _REQUEST = re.compile(r"(GET|POST|PUT|PATCH|DELETE) +(/[\w/{}.-]*)")
 PROGRAMS = {"pytest", "docs", "tests"}
 """Modules that the documentation runs beside Slidetune."""
+
+
+@dataclass(frozen=True)
+class Curl:
+    """A request as curl sends it: ``curl --json JSON --output FILE ADDRESS``."""
+
+    method: str
+    host: str
+    path: str
+    json: str
+    output: str
+
+    @classmethod
+    def read(cls, line: str) -> Curl:
+        """Read a command line.
+
+        Raises:
+            SystemExit: for options that the documentation has no need of.
+        """
+        parser = argparse.ArgumentParser(prog="curl", allow_abbrev=False)
+        parser.add_argument("--json", default="")
+        parser.add_argument("--output", "-o", default="")
+        parser.add_argument("--request", "-X", default="")
+        parser.add_argument("address")
+        given = parser.parse_args(shlex.split(line)[1:])
+        host, _, path = given.address.removeprefix("http://").partition("/")
+        method = given.request or ("POST" if given.json else "GET")
+        return cls(method, f"http://{host}/", f"/{path}", given.json, given.output)
 
 
 def lines(code: str) -> Iterator[str]:
@@ -62,6 +92,10 @@ def misunderstood(line: str, routes: set[tuple[str, str]]) -> str:
         makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
         known = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
         return "" if set(targets) <= known else f"{line}: no such target of the Makefile"
+    if line.startswith("curl "):
+        asked = Curl.read(line)
+        found = is_route(asked.method, asked.path, routes)
+        return "" if found else f"{line}: there is no such route"
     if match := _REQUEST.match(line):
         return "" if is_route(match[1], match[2], routes) else f"{line}: there is no such route"
     if match := _MODULE.fullmatch(line):

@@ -9,10 +9,9 @@ from pathlib import Path
 
 from slidetune import Experiment, load_preset, simulate
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
-from slidetune.server.exports.run_columns import csv_lines
 from tests.docs.pages import ROOT
 from tests.robot.doctor.descriptions import described
-from tests.robot.recordings.files import NAMES, joint_states, messages
+from tests.robot.recordings.files import NAMES, joint_states, messages, table
 
 SHORT = {"simulation": {"horizon": 0.3}}
 ONE_LANE = dict.fromkeys(("RBFNN-NFTSM", "RBFNN-SMC", "Computed torque"))
@@ -64,8 +63,9 @@ def with_recordings(folder: Path) -> None:
         {"lanes": ONE_LANE, "simulation": {"horizon": 3.0, "input_delay": 0.0}}
     )
     run = simulate(experiment, estimate=False)
-    (folder / "move.csv").write_text("".join(csv_lines(run)), encoding="utf-8")
     lane, every = run.lanes["NFTSM"], slice(None, None, 10)  # 50 rows a second
+    heads = ["t", *(f"q{number}" for number in range(1, 7))]
+    table(folder / "move.csv", heads, [run.time[every], lane.q[every]])
     told = messages(NAMES, lane.q[every], velocity=lane.v[every], effort=lane.tau[every])
     for name in ("monday", "tuesday"):
         joint_states(folder / f"{name}.mcap", {"/joint_states": told})

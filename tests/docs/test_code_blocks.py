@@ -10,9 +10,12 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 from typer.testing import CliRunner
 
@@ -25,6 +28,7 @@ from slidetune.robot.lessons.lesson import lesson_from_yaml
 from slidetune.server.cli import cli
 from slidetune.server.report.study_file import wanted_fitting, wanted_tuning
 from tests.docs.commands import (
+    Curl,
     code_commands,
     is_route,
     lines,
@@ -141,6 +145,8 @@ class Page:
                 check=False,
             )
             assert done.returncode == 0, f"{block}: {line}: {done.stderr}"
+        elif line.startswith("curl "):
+            self._request(Curl.read(line), block)
         elif words and words[0] not in NOT_RUN and "--scheduler" not in words:
             done = CliRunner().invoke(cli, [*words, *FEWER.get(words[0], ())])
             if done.exception and not isinstance(done.exception, SystemExit):
@@ -148,20 +154,28 @@ class Page:
             expected = ENDS.get(words[0], {0})
             assert done.exit_code in expected, f"{block}: {line}: {done.output}"
 
+    def _request(self, asked: Curl, block: Block) -> None:
+        assert asked.host == ADDRESS, f"{block}: {asked.host} is no dashboard of the documentation"
+        address = self._address().rstrip("/") + asked.path
+        content = asked.json.encode() or None
+        headers = {"content-type": "application/json"} if content else {}
+        with httpx.Client(trust_env=False, timeout=120) as client:
+            answer = client.request(asked.method, address, content=content, headers=headers)
+        assert answer.status_code < 300, f"{block}: {answer.text}"
+        if asked.output:
+            (self.folder / asked.output).write_bytes(answer.content)
+
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[Callable[[], str]]:
     """Start a dashboard the first time that a page needs one."""
-    started: list[Any] = []
+    with ExitStack() as stack:
 
-    def start() -> str:
-        context = serving(tmp_path / "own")
-        started.append(context)
-        return f"{context.__enter__().url}/"
+        @cache
+        def start() -> str:
+            return f"{stack.enter_context(serving(tmp_path / 'own')).url}/"
 
-    yield start
-    for context in started:
-        context.__exit__(None, None, None)
+        yield start
 
 
 @pytest.mark.parametrize("page", with_code(), ids=lambda page: page.name)
