@@ -20,6 +20,7 @@ from slidetune.server.routes.arms import arms_router
 from slidetune.server.routes.docs import docs_router
 from slidetune.server.routes.downloads.exports import exports_router
 from slidetune.server.routes.downloads.handover import handover_router
+from slidetune.server.routes.downloads.report import report_router
 from slidetune.server.routes.experiment import experiment_router
 from slidetune.server.routes.history import history_router
 from slidetune.server.routes.kept_studies import kept_studies_router
@@ -84,6 +85,7 @@ def create_app(app_state: AppState, policy: AccessPolicy) -> ASGIApp:
     app.include_router(logs_router(app_state))
     app.include_router(handover_router(app_state))
     app.include_router(exports_router(app_state))
+    app.include_router(report_router(app_state))
     app.include_router(history_router(app_state))
     app.include_router(lessons_router())
     app.include_router(preview_router(app_state))

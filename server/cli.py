@@ -19,9 +19,11 @@ from slidetune.server.cli_options import (
     PageOption,
     ParquetOption,
     PresetOption,
+    ReportOption,
     TipOption,
     TotalMassOption,
     UrdfOption,
+    arm_options,
     console,
     output,
     take_laws,
@@ -128,7 +130,7 @@ def run(
     csv: CsvOption = "",
     parquet: ParquetOption = "",
     mcap: McapOption = "",
-    html: PageOption = "",
+    report: ReportOption = "",
     law: LawOption = None,
     urdf: UrdfOption = None,
     package_dir: PackageDirOption = None,
@@ -145,8 +147,10 @@ def run(
     from slidetune.server.exports.recorded_run import recorded_run
     from slidetune.server.report.output_file import check_outputs, write_output
     from slidetune.server.report.run_bar import progress_bar, simulate_with_bar
-    from slidetune.server.report.run_figures import run_page
-    from slidetune.server.report.run_report import json_text, print_report, report
+    from slidetune.server.report.run_report import json_text, print_report
+    from slidetune.server.report.run_report import report as report_of
+    from slidetune.server.run_report.page import run_report
+    from slidetune.server.run_report.recording import record
 
     arm = urdf_choice(urdf, package_dir, tip, total_mass)
     if not preset and arm is None:
@@ -157,9 +161,9 @@ def run(
     if not since < horizon:
         text = f"must be less than the horizon of {horizon:g} s, got {since:g}."
         raise typer.BadParameter(text, param_hint="--since")
-    check_outputs(json, csv, parquet, mcap, html)
+    check_outputs(json, csv, parquet, mcap, report)
     result = simulate_with_bar(experiment, console)
-    document = report(result, since)
+    document = report_of(result, since)
     if json:
         write_output(json, [json_text({"preset": preset, **document}), "\n"])
     recorded = recorded_run(result)
@@ -170,9 +174,10 @@ def run(
     if mcap:
         with progress_bar(console, "Writing MCAP") as show:
             write_output(mcap, [mcap_of(recorded, show)])
-    if html:
-        write_output(html, [run_page(result)])
-    if "-" not in (json, csv, parquet, mcap, html):
+    if report:
+        named = arm_options(arm)
+        write_output(report, [run_report(result, document, record, named).html])
+    if "-" not in (json, csv, parquet, mcap, report):
         print_report(document, output())
     if any(lane.freeze for lane in result.lanes.values()):
         raise typer.Exit(DIVERGED)

@@ -69,6 +69,15 @@ McapOption = Annotated[
         "--mcap", metavar="FILE", help="Write messages of ROS 2, for Foxglove and PlotJuggler."
     ),
 ]
+ReportOption = Annotated[
+    str,
+    typer.Option(
+        "--report",
+        metavar="FILE",
+        help="Write one HTML file with figures, plots, a 3D replay and the experiment; works "
+        "offline.",
+    ),
+]
 PageOption = Annotated[
     str, typer.Option("--html", metavar="FILE", help="Write a page of figures; works offline.")
 ]
@@ -121,6 +130,23 @@ def urdf_choice(
                 raise typer.BadParameter("says something of --urdf FILE", param_hint=option)
         return None
     return UrdfChoice(urdf, tuple(package_dirs or ()), tip, total_mass)
+
+
+def arm_options(choice: UrdfChoice | None) -> list[str]:
+    """Return the options that name an arm, as a command to repeat has them: files by their names.
+
+    Args:
+        choice: the arm, if one was named.
+    """
+    if choice is None:
+        return []
+    words = ["--urdf", choice.file.name]
+    for folder in choice.package_dirs:
+        words += ["--package-dir", folder.name or "."]
+    words += ["--tip", choice.tip] if choice.tip else []
+    return (
+        words if choice.total_mass is None else [*words, "--total-mass", f"{choice.total_mass:g}"]
+    )
 
 
 def output() -> Console:

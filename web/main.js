@@ -51,7 +51,7 @@ const parts = {tune: part('tune'), plots: part('plots'), metrics: part('metrics'
 
 mountSkipLinks(part('skip'), part('workspace'));
 mountHeader(part('header'), api, history, {
-  presets, links, chooseFile: mountImport(api, history, tell, {arms, ownData, links}),
+  presets, links, tell, chooseFile: mountImport(api, history, tell, {arms, ownData, links}),
 });
 mountBanner(part('banner'), api);
 mountControls(parts.tune, api, history, tell, preview, arms);

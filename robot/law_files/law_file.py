@@ -53,6 +53,15 @@ def law_from(source: Source, name: str = "") -> Law:
     return replace(law, version=source.digest)
 
 
+def file_of(version: str) -> str:
+    """Return the name of the file that a law's version was read from.
+
+    Args:
+        version: of a law that was read in this process.
+    """
+    return _FILES[version].name
+
+
 def traceback_text(error: BaseException) -> str:
     """Return the lines of laws' own files through which an exception came, or an empty text."""
     names = {str(source.path): source.name for source in _FILES.values()}

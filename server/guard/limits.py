@@ -30,6 +30,8 @@ MAX_HAND_OVERS = 2
 """Most hand-overs that are made at once (*ours*), each in a process of its own."""
 MAX_EXPORTS = 2
 """Most exports that are written at once (*ours*), each in a process of its own."""
+MAX_REPORTS = 2
+"""Most reports that are made at once (*ours*), the replay of each in a process of its own."""
 CLIENT_RATE = 240.0
 """Messages a second that one client may send over the live WebSocket (*ours*): four times what a
 drag sends at 60 pictures a second. Frames that bring no whole message, such as pings, may come as
@@ -99,6 +101,7 @@ def limits_document() -> dict[str, int]:
         "logs": MAX_LOGS,
         "hand_overs": MAX_HAND_OVERS,
         "exports": MAX_EXPORTS,
+        "reports": MAX_REPORTS,
         "client_messages_a_second": int(CLIENT_RATE),
         "client_messages_at_once": CLIENT_BURST,
         "all_patches_a_second": int(TOTAL_RATE),

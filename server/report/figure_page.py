@@ -22,6 +22,11 @@ BUCKETS = 400
 DESIRED = "desired"
 """Name of the curve that is drawn dashed and neutral."""
 
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+)
+"""What the page's browser lets it do: nothing that asks a network."""
+
 _TEMPLATE = Path(__file__).with_name("figure_page.html")
 _PLACE = re.compile(r"<!--place:(\w+)-->")
 
@@ -73,6 +78,23 @@ class Section:
     figures: tuple[Figure, ...]
 
 
+@dataclass(frozen=True)
+class Additions:
+    """What a page has besides its figures.
+
+    Attributes:
+        tail: HTML that stands below the figures.
+        style: CSS.
+        scripts: HTML of scripts, run when all else is there.
+        policy: what the page's browser lets it do; no double quotes in it.
+    """
+
+    tail: str = ""
+    style: str = ""
+    scripts: str = ""
+    policy: str = POLICY
+
+
 def decimated(values: Array, buckets: int = BUCKETS) -> Array:
     """Return the rows to draw: of each bucket the least and the greatest, and both ends.
 
@@ -121,18 +143,39 @@ def _figure(figure: Figure) -> dict[str, Any]:
     }
 
 
-def _section(section: Section) -> dict[str, Any]:
-    return {"title": section.title, "figures": [_figure(item) for item in section.figures]}
+def _section(section: Section) -> str:
+    # One figure at a time: the encoder lets no other thread of the server go on meanwhile.
+    figures = ",".join(_json(_figure(item)) for item in section.figures)
+    return f'{{"title":{_json(section.title)},"figures":[{figures}]}}'
 
 
-def html_table(headings: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
-    """Return a table as HTML; every text is escaped."""
+def _json(value: object) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+
+
+def in_script(text: str) -> str:
+    """Return JSON as it may stand within a script element, which only a `<` could end early."""
+    return text.replace("<", "\\u003c")
+
+
+def html_table(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], caption: str, texts: int = 2
+) -> str:
+    """Return a table as HTML; every text is escaped.
+
+    Args:
+        headings: one a column.
+        rows: the cells.
+        caption: what stands below it.
+        texts: how many columns from the left hold texts, 1 or 2; the others hold numbers.
+    """
     head = "".join(f'<th scope="col">{escape(text)}</th>' for text in headings)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>\n" for row in rows
     )
+    numbers = ' class="numbers"' if texts == 1 else ""
     return (
-        f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead>"
+        f"<table{numbers}><caption><span>{escape(caption)}</span></caption><thead><tr>{head}</tr></thead>"
         f"<tbody>\n{body}</tbody></table>\n"
     )
 
@@ -142,25 +185,26 @@ def html_paragraphs(texts: Sequence[str]) -> str:
     return "".join(f"<p>{escape(text)}</p>\n" for text in texts)
 
 
-def figure_page(title: str, body: str, sections: Sequence[Section]) -> str:
+def figure_page(
+    title: str, body: str, sections: Sequence[Section], additions: Additions | None = None
+) -> str:
     """Return the whole page.
 
     Args:
         title: plain text.
         body: HTML that stands above the figures; see ``html_table`` and ``html_paragraphs``.
         sections: the figures.
+        additions: what it has besides.
     """
-    figures = json.dumps(
-        [_section(section) for section in sections],
-        allow_nan=False,
-        ensure_ascii=False,
-        separators=(",", ":"),
-    )
+    more = additions or Additions()
     parts = {
         "title": escape(title),
         "body": body,
-        # Within a script element only these signs could end it early.
-        "figures": figures.replace("<", "\\u003c"),
+        "tail": more.tail,
+        "style": more.style,
+        "scripts": more.scripts,
+        "policy": more.policy,
+        "figures": in_script(f"[{','.join(_section(section) for section in sections)}]"),
         "plotly": PLOTLY.read_text(encoding="utf-8"),
     }
     template = _TEMPLATE.read_text(encoding="utf-8")

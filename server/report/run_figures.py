@@ -1,4 +1,4 @@
-"""The figures of a headless run as one HTML file."""
+"""The curves of a whole run, joint by joint, as figures of a page."""
 
 from __future__ import annotations
 
@@ -10,14 +10,7 @@ from slidetune.robot.arm.known import arm_named
 from slidetune.robot.fields.units import in_units_of
 from slidetune.robot.loop.simulate import LaneRun, Run
 from slidetune.server.live.lane_colors import LaneColors
-from slidetune.server.report.figure_page import (
-    DESIRED,
-    Curve,
-    Figure,
-    Section,
-    figure_page,
-    html_paragraphs,
-)
+from slidetune.server.report.figure_page import DESIRED, Curve, Figure, Section
 
 Array = np.ndarray
 Column = Callable[[LaneRun], Array]
@@ -56,22 +49,18 @@ def _distance(lane: LaneRun) -> Array:
     return distance * 1e3
 
 
-def run_page(run: Run) -> str:
-    """Return a page with position, error, velocity error and torque of all joints."""
-    experiment = run.experiment
+def run_sections(run: Run) -> list[Section]:
+    """Return position, errors, sliding variable and torque of all joints, and the flange's error.
+
+    Args:
+        run: the run.
+    """
     flange = Figure("Flange", "", "distance from the desired one [mm]", curves(run, _distance))
-    sections = [
+    return [
         _joints(run, "Position", "q [rad]", "q", run.q_d),
         _joints(run, "Position error", "e [rad]", "e"),
         _joints(run, "Velocity error", "de [rad/s]", "de"),
+        _joints(run, "Sliding variable", "S [rad/s]", "S"),
         _joints(run, "Torque", "τ [N·m]", "tau"),
         Section("Flange error", (flange,)),
     ]
-    causes = [f"{name}: {lane.freeze.cause}" for name, lane in run.lanes.items() if lane.freeze]
-    doubts = [
-        f"{name}: {lane.accuracy.remark}"
-        for name, lane in run.lanes.items()
-        if lane.accuracy.remark
-    ]
-    body = html_paragraphs([experiment.description, *causes, *doubts])
-    return figure_page(experiment.title or "Untitled experiment", body, sections)

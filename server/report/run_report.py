@@ -115,48 +115,90 @@ def _add(table: Table, cells: Sequence[str]) -> None:
     table.add_row(*(Text(cell) for cell in cells))  # a lane's name is text, not markup
 
 
-def _per_joint(lanes: Document, slides: Sequence[bool]) -> Table:
-    joints = len(slides)
-    table = _table("", "lane", *(f"J{j + 1}" for j in range(joints)), first=2)
+Rows = list[list[str]]
+
+
+def per_joint_rows(lanes: Document, slides: Sequence[bool]) -> tuple[list[str], Rows]:
+    """Return headings and rows of the figures that each joint has: one row a figure and lane.
+
+    Args:
+        lanes: ``lanes`` of what ``report`` returned.
+        slides: which joints of the arm slide.
+    """
+    joints, rows = len(slides), []
     for figure in _PER_JOINT:
-        title = heading(figure, slides)
         for name, lane in lanes.items():
             values = (lane["metrics"] or {}).get(figure.name, [None] * joints)
-            _add(table, [title, name, *(figure_text(figure, value) for value in values)])
-            title = ""
-        table.add_section()
-    return table
+            texts = (figure_text(figure, value) for value in values)
+            rows.append([heading(figure, slides), name, *texts])
+    return ["", "lane", *(f"J{j + 1}" for j in range(joints))], rows
 
 
-def _overall(lanes: Document, slides: Sequence[bool]) -> Table:
+def overall_rows(lanes: Document, slides: Sequence[bool]) -> tuple[list[str], Rows]:
+    """Return headings and rows of the figures of the whole arm, with their error: a row a lane.
+
+    Args:
+        lanes: ``lanes`` of what ``report`` returned.
+        slides: which joints of the arm slide.
+    """
     last = (_ESTIMATE, FIGURES[_APART])
     units = [unit_of_joints(figure.shown_unit, slides) for figure in last]
     titles = (f"{figure.title} [{unit}]" for figure, unit in zip(last, units, strict=True))
-    table = _table("lane", *(heading(figure, slides) for figure in _OVERALL), *titles, first=1)
+    rows = []
     for name, lane in lanes.items():
         metrics, frozen = lane["metrics"] or {}, lane["frozen"] or {}
         values = [metrics.get(figure.name) for figure in _OVERALL]
         values += [lane["accuracy"][_ESTIMATE.name], frozen.get("time")]
-        cells = map(figure_text, (*_OVERALL, *last), values)
-        _add(table, [name, *cells])
+        rows.append([name, *map(figure_text, (*_OVERALL, *last), values)])
+    return ["lane", *(heading(figure, slides) for figure in _OVERALL), *titles], rows
+
+
+def _per_joint(lanes: Document, slides: Sequence[bool]) -> Table:
+    headings, rows = per_joint_rows(lanes, slides)
+    table, before = _table(*headings, first=2), ""
+    for title, *cells in rows:
+        if before and title != before:
+            table.add_section()
+        _add(table, ["" if title == before else title, *cells])
+        before = title
+    table.add_section()
     return table
+
+
+def _overall(lanes: Document, slides: Sequence[bool]) -> Table:
+    headings, rows = overall_rows(lanes, slides)
+    table = _table(*headings, first=1)
+    for cells in rows:
+        _add(table, cells)
+    return table
+
+
+def span_text(document: Document, slides: Sequence[bool]) -> str:
+    """Return over which span the figures are, and what the joints are called.
+
+    Args:
+        document: what ``report`` returned.
+        slides: which joints of the arm slide.
+    """
+    simulation = document["experiment"]["simulation"]
+    joints = len(slides)
+    span = f"{document['since']:g} to {simulation['horizon']:g} s, {simulation['mode']}"
+    each = f"J1 to J{joints} are the joints" if joints > 1 else "J1 is its joint"
+    text = f"Figures over {span}; {each}."
+    if len(set(slides)) > 1:
+        sliding = [f"J{joint}" for joint, slide in enumerate(slides, 1) if slide]
+        verb = "slides" if len(sliding) == 1 else "slide"
+        which = " and ".join(part for part in (", ".join(sliding[:-1]), sliding[-1]) if part)
+        text += f"\nThe second unit is that of {which}, which {verb}; a total mixes both."
+    return text
 
 
 def print_report(document: Document, console: Console) -> None:
     """Print what ``report`` returned."""
     experiment, lanes = document["experiment"], document["lanes"]
-    simulation, slides = experiment["simulation"], arm_named(experiment["robot"]["model"]).slides
-    joints = len(slides)
+    slides = arm_named(experiment["robot"]["model"]).slides
     console.print(Text(experiment["title"] or "Untitled experiment", style="bold"))
-    span = f"{document['since']:g} to {simulation['horizon']:g} s, {simulation['mode']}"
-    each = f"J1 to J{joints} are the joints" if joints > 1 else "J1 is its joint"
-    console.print(Text(f"Figures over {span}; {each}."))
-    if len(set(slides)) > 1:
-        sliding = [f"J{joint}" for joint, slide in enumerate(slides, 1) if slide]
-        verb = "slides" if len(sliding) == 1 else "slide"
-        which = " and ".join(part for part in (", ".join(sliding[:-1]), sliding[-1]) if part)
-        text = f"The second unit is that of {which}, which {verb}; a total mixes both."
-        console.print(Text(text))
+    console.print(Text(span_text(document, slides)))
     console.print(_per_joint(lanes, slides))
     console.print(_overall(lanes, slides))
     for name, lane in lanes.items():

@@ -1,4 +1,4 @@
-"""Two whole runs side by side in 3D, once, in real time: the nominal one and another."""
+"""Whole runs side by side in 3D: two in the place of the session, or all lanes of a report."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ class Replay:
     """What is shown.
 
     Attributes:
-        robot: the arm of the nominal run, whose payload is drawn.
-        color: of the nominal run.
+        robot: the arm, whose payload is drawn.
+        styles: how the runs look; the arm of the first is solid.
         period: time between two rows in [s].
         q_d: desired angles in [rad]. Shape (n, 6).
         desired: desired flange positions in [m]. Shape (n, 3).
@@ -35,17 +35,12 @@ class Replay:
     """
 
     robot: Robot
-    color: str
+    styles: tuple[LaneStyle, ...]
     period: float
     q_d: Array
     desired: Array
     q: Mapping[str, Array]
     flange: Mapping[str, Array]
-
-    @property
-    def styles(self) -> list[LaneStyle]:
-        """How the two look, the solid one first."""
-        return [LaneStyle(NOMINAL, self.color), LaneStyle(OTHER, OTHER_COLOR)]
 
     def row(self, passed: float) -> int | None:
         """Return the row to show so long after the beginning [s], ``None`` once it is over."""
@@ -95,7 +90,7 @@ def replay_of(nominal: Experiment, other: Experiment, lane: str, color: str) -> 
     first = runs[NOMINAL]
     return Replay(
         robot=nominal.robot,
-        color=color,
+        styles=(LaneStyle(NOMINAL, color), LaneStyle(OTHER, OTHER_COLOR)),
         period=float(first.time[1] - first.time[0]),
         q_d=first.q_d,
         desired=first.lanes[lane].flange_desired,

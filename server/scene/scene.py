@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from viser.infra import StateSerializer
 
 from slidetune.robot.arm.arm import flange_positions
 from slidetune.robot.arm.known import SHIPPED
@@ -65,20 +66,29 @@ class Scene:
         port: TCP port on 127.0.0.1 where Viser serves it.
     """
 
-    def __init__(self, port: int | None = None) -> None:
+    def __init__(
+        self, port: int | None = None, model: str = SHIPPED, recorded: bool = False
+    ) -> None:
         """Start Viser with an empty room.
 
         Args:
             port: wanted TCP port, the next free one if it is taken; ``None`` for any.
+            model: the arm that stands in it at first.
+            recorded: whether it is drawn for a recording, although nobody looks, and without a
+                handle to pull at.
         """
         self._viewer = open_viewer(port)
         self.port = self._viewer.get_port()
+        self._recorded = recorded
         self._arms: dict[str, _Standing] = {}
-        self._arm = self._new_arm(SHIPPED)
+        self._arm = self._new_arm(model)
+        if model != SHIPPED:
+            look_at_arm(self._viewer, self._arm.shape)
         self._desired = DesiredPath(self._viewer.scene, "/desired")
         self._responses = ResponsePaths(self._viewer.scene, "/response")
-        self._gizmo = Gizmo(self._viewer)
-        self._gizmo.take(self._arm.shape, self._arm.solid.links)
+        self._gizmo = None if recorded else Gizmo(self._viewer)
+        if self._gizmo is not None:
+            self._gizmo.take(self._arm.shape, self._arm.solid.links)
         self._label = self._viewer.scene.add_label(
             "/label",
             "",
@@ -146,7 +156,7 @@ class Scene:
         for name, lane in self._lanes.items():
             if name in frame.q:
                 lane.take(name, frame, self._factor)
-        if self._viewer.get_clients():
+        if self._recorded or self._viewer.get_clients():
             with self._viewer.atomic():
                 self._paint()
                 self._draw(frame.q_d, frame.past)
@@ -173,7 +183,11 @@ class Scene:
 
     def pull(self) -> Pull | None:
         """Return how somebody pulls at the arm, or ``None``. Safe to call from any thread."""
-        return self._gizmo.pull()
+        return None if self._gizmo is None else self._gizmo.pull()
+
+    def recorder(self) -> StateSerializer:
+        """Return what records the scene from now on, in Viser's own format."""
+        return self._viewer.get_scene_serializer()
 
     def lock(self) -> str:
         """Let only those connect to Viser's own port who know a key; return the key."""
@@ -201,7 +215,8 @@ class Scene:
             ghost.show(False)
         self._arm = self._arms.get(name) or self._new_arm(name)
         self._arm.solid.stand(True)
-        self._gizmo.take(self._arm.shape, self._arm.solid.links)
+        if self._gizmo is not None:
+            self._gizmo.take(self._arm.shape, self._arm.solid.links)
         look_at_arm(self._viewer, self._arm.shape)
         self._lanes, self._painted = {}, ()
 
@@ -245,7 +260,8 @@ class Scene:
             self._lines[i].show(lane.trail, lane.trail.points[-1] if past else flange)
             if chosen:
                 arm.solid.pose(turns, places)
-                self._gizmo.follow(flange, drawn)
+                if self._gizmo is not None:
+                    self._gizmo.follow(flange, drawn)
             if self._seen(lane, chosen):
                 arm.ghosts[i].pose(turns, places)
 

@@ -54,8 +54,9 @@ def test_nothing_on_the_page_breaks_the_content_policy(page: Page, dashboard: Da
         page.evaluate(OPEN_ALL)
         if view != "Lenses":  # the last of these has words alone for a loop that does not swing
             expect(drawn.first).to_be_visible()
+    page.get_by_role("button", name="Export").click()
     with page.expect_download():
-        page.get_by_role("button", name="Export").click()
+        page.get_by_role("menuitem", name="Experiment (YAML)").click()
     page.keyboard.press("?")
     expect(page.locator("dialog[open]")).to_contain_text("Keys")
     page.keyboard.press("Escape")

@@ -230,12 +230,12 @@ def test_an_export_comes_back_by_import(page: Page, dashboard: Dashboard, tmp_pa
     nu.press("Enter")
     until_experiment(dashboard, "RBFNN-NFTSM", "nu", 12.5)
     wanted = experiment(dashboard)
+    page.get_by_role("button", name="Export").click()
     with page.expect_download() as saved:
-        page.get_by_role("button", name="Export").click()
+        page.get_by_role("menuitem", name="Experiment (YAML)").click()
     path = tmp_path / saved.value.suggested_filename
     saved.value.save_as(path)
-    assert path.suffix == ".yaml"
-    assert experiment_from_yaml(path.read_bytes()).document() == wanted
+    assert (path.suffix, experiment_from_yaml(path.read_bytes()).document()) == (".yaml", wanted)
     dashboard.client.post("/api/presets/realistic/load")
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Import").click()

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import subprocess
 import sys
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +18,7 @@ import pytest
 
 from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml, experiment_to_yaml
-from slidetune.robot.experiment.presets import SHIPPED_FOLDER, link_to, presets
+from slidetune.robot.experiment.presets import SHIPPED_FOLDER, link_to, load_preset, presets
 from slidetune.robot.loop.simulate import simulate
 from slidetune.robot.recordings.mcap_file import McapFile
 from tests.own_laws import EXAMPLE, before_torque
@@ -156,6 +159,27 @@ def test_a_link_runs_as_the_experiment_that_it_stands_for(
     cut = slidetune("run", address.partition("&")[0][:-3], folder=tmp_path)
     assert cut.returncode == 2
     assert "cut off" in cut.stderr
+
+
+def test_the_command_in_a_report_repeats_it(tmp_path: Path) -> None:
+    changes = {**SHORT, "lanes": {"NFTSM": {"nu": 30}, "RBFNN-SMC": None}}
+    link = link_to(load_preset("paper").patched(changes))
+    done = slidetune("run", link, "--since", "0.1", "--report", "report.html", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "NFTSM" in done.stdout
+    first = (tmp_path / "report.html").read_text(encoding="utf-8")
+    command = re.search(r'<code id="command">(.*?)</code>', first)
+    assert command is not None
+    words = shlex.split(unescape(command[1]))
+    assert words[:3] == ["python", "-m", "slidetune"]
+    done = slidetune(*words[3:], "--json", "run.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    again = strict((tmp_path / "run.json").read_text(encoding="utf-8"))
+    assert again.pop("preset") == link
+    for page in (first, (tmp_path / "report.html").read_text(encoding="utf-8")):
+        data = re.search(r'id="report">(.*?)</script>', page, re.DOTALL)
+        assert data is not None
+        assert strict(data[1]) == again
 
 
 def test_paper_prints_the_comparison_and_writes_its_page(tmp_path: Path) -> None:

@@ -56,6 +56,7 @@ BODY_ROUTES = [
     ("POST", "/api/hand-over"),
     ("POST", "/api/exports/window"),
     ("POST", "/api/exports/run"),
+    ("POST", "/api/report"),
     ("POST", "/api/studies"),
     ("POST", "/api/studies/accept"),
     ("POST", "/api/studies/strip"),

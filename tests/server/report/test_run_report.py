@@ -12,7 +12,6 @@ from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.packed import pack
 from slidetune.robot.loop.figures import FIGURES, figures_of
 from slidetune.robot.loop.simulate import Run, simulate
-from slidetune.server.report.run_figures import run_page
 from slidetune.server.report.run_report import UNITS, figure_text, json_text, print_report, report
 
 
@@ -69,7 +68,6 @@ def test_how_good_the_run_is_is_told_in_the_table_and_in_words(run: Run) -> None
     remark = inaccurate.lanes["A"].accuracy.remark
     assert remark
     assert f"inaccurate, A: {remark}" in " ".join(printed(inaccurate).split())
-    assert remark in run_page(inaccurate)
 
 
 def test_remarks_and_causes_are_printed_in_words(run: Run) -> None:

@@ -35,3 +35,10 @@ export function windowAs(format, seconds) {
  * @returns {Promise<Blob>}
  */
 export function runAs(format) { return requestFile('/api/exports/run', {format}); }
+
+/**
+ * Run the live experiment and report on it.
+ *
+ * @returns {Promise<string>} one HTML file
+ */
+export function reportOf() { return request('POST', '/api/report', {since: 0}); }
