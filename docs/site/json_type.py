@@ -40,8 +40,8 @@ def type_words(schema: Schema, link: Link) -> str:
         inner = type_words(schema.get("items", {}), link)
         return f"list of {inner}"
     if kind == "object":
-        inner = schema.get("additionalProperties")
-        return f"object of {type_words(inner, link)}" if isinstance(inner, Mapping) else "object"
+        values = schema.get("additionalProperties")
+        return f"object of {type_words(values, link)}" if isinstance(values, Mapping) else "object"
     return str(kind or "any value")
 
 

@@ -68,8 +68,8 @@ def stage_pages(into: Path) -> None:
         if path.suffix == ".ipynb":
             text = notebook_page(path.read_text(encoding="utf-8"), path.name)
             place.with_suffix(".md").write_text(text, encoding="utf-8")
-    for name, place in TOP_PAGES.items():
+    for name, called in TOP_PAGES.items():
         text = for_site((ROOT / name).read_text(encoding="utf-8"), ROOT)
-        (into / place).write_text(text, encoding="utf-8")
+        (into / called).write_text(text, encoding="utf-8")
     text = (ROOT / "LICENSE").read_text(encoding="utf-8")
     (into / LICENSE).write_text(f"# Licence\n\n{text}", encoding="utf-8")

@@ -23,7 +23,7 @@ from docs.site.http_pages import operations
 from docs.site.own_documents import own_documents
 from slidetune import load_preset
 from slidetune.robot.errors import InvalidExperimentError
-from slidetune.robot.experiment.preset_yaml import read_plain_yaml
+from slidetune.robot.experiment.plain_yaml import read_plain_yaml
 from slidetune.robot.lessons.lesson import lesson_from_yaml
 from slidetune.server.cli import cli
 from slidetune.server.report.study_file import wanted_fitting, wanted_tuning
@@ -148,11 +148,11 @@ class Page:
         elif line.startswith("curl "):
             self._request(Curl.read(line), block)
         elif words and words[0] not in NOT_RUN and "--scheduler" not in words:
-            done = CliRunner().invoke(cli, [*words, *FEWER.get(words[0], ())])
-            if done.exception and not isinstance(done.exception, SystemExit):
-                raise AssertionError(f"{block}: {line}: {done.exception}") from done.exception
+            ended = CliRunner().invoke(cli, [*words, *FEWER.get(words[0], ())])
+            if ended.exception and not isinstance(ended.exception, SystemExit):
+                raise AssertionError(f"{block}: {line}: {ended.exception}") from ended.exception
             expected = ENDS.get(words[0], {0})
-            assert done.exit_code in expected, f"{block}: {line}: {done.output}"
+            assert ended.exit_code in expected, f"{block}: {line}: {ended.output}"
 
     def _request(self, asked: Curl, block: Block) -> None:
         assert asked.host == ADDRESS, f"{block}: {asked.host} is no dashboard of the documentation"

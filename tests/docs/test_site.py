@@ -21,7 +21,7 @@ ELSEWHERE = re.compile(r"(?:https?:)?//")
 
 def listed(nav: list[dict[str, Any]]) -> list[str]:
     """Return the pages of a navigation."""
-    found = []
+    found: list[str] = []
     for entry in nav:
         for value in entry.values():
             found += listed(value) if isinstance(value, list) else [value]

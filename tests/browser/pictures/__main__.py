@@ -11,14 +11,14 @@ import os
 import tempfile
 from pathlib import Path
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from tests.browser.chromium import FLAGS, find
 from tests.browser.conftest import ROOT, Dashboard, running
 from tests.browser.pictures.small_png import write_small
 from tests.browser.pictures.steps import STEPS, Step
 
-SIZE = {"width": 1440, "height": 900}
+SIZE: ViewportSize = {"width": 1440, "height": 900}
 FOLDER = ROOT / "docs" / "pictures"
 
 
