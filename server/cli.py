@@ -100,10 +100,12 @@ def serve(
     """
     from slidetune.robot.experiment.preset_name import is_preset_name
     from slidetune.server.chosen_experiment import chosen_experiment
+    from slidetune.server.hosting.end_of_process import end_on_sigterm
     from slidetune.server.law_files.law_files import LawFiles
     from slidetune.server.report.warmup_bar import warm_up_with_bar
     from slidetune.server.serve import serve as serve_dashboard
 
+    end_on_sigterm()
     law_files = LawFiles(law or [])
     law_files.take(apart=True)
     arm = urdf_choice(urdf, package_dir, tip, total_mass)

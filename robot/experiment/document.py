@@ -21,6 +21,7 @@ from slidetune.robot.goals.uncertainty import Uncertainty
 from slidetune.robot.laws import LAWS, law_of
 from slidetune.robot.laws.any_lane import AnyLane
 from slidetune.robot.motion.trajectory import SineTrajectory, Trajectory
+from slidetune.robot.shown import Shown
 
 FORMAT = 1
 """Version of the document's format."""
@@ -101,7 +102,7 @@ def _posed(document: Mapping[str, Any], arm: KnownArm) -> Mapping[str, Any]:
     return {**document, "trajectory": {**known, **trajectory}}
 
 
-class Experiment(Section):
+class Experiment(Shown, Section):
     """One experiment: immutable, complete, comparable with ``==``."""
 
     slidetune: Literal[1] = 1

@@ -71,9 +71,28 @@ def _folder() -> Path:
     try:
         cache.mkdir(parents=True, exist_ok=True)
         _forget_old(cache)
-    except OSError:  # a read-only home: compile into a folder that lives until the next restart
-        cache = _temporary() / name
-        cache.mkdir(exist_ok=True)
+    except OSError:  # a read-only home: a folder that lives until the next restart
+        return _begun_with(cache, _temporary() / name)
+    return cache
+
+
+def _begun_with(ready: Path, cache: Path) -> Path:
+    """Return a folder that can be written, with what was compiled where nothing can be.
+
+    Numba takes kernels only out of a folder that it could also write to: a container's image has
+    them compiled, and its file system is read-only.
+
+    Args:
+        ready: the folder that can't be written, if there is one.
+        cache: where they are to be.
+    """
+    if not cache.exists() and ready.is_dir():
+        staged = Path(tempfile.mkdtemp(dir=cache.parent, prefix="."))
+        shutil.copytree(ready, staged, dirs_exist_ok=True)
+        staged.chmod(0o700)  # that of the original can't be written
+        with suppress(OSError):  # another process was faster
+            staged.rename(cache)
+    cache.mkdir(exist_ok=True)
     return cache
 
 

@@ -46,6 +46,7 @@ from slidetune.robot.loop.record_memory import record_of
 from slidetune.robot.margins.layer import layer_of
 from slidetune.robot.margins.unsampled import fastest_growth
 from slidetune.robot.motion.along import desired_motion
+from slidetune.robot.shown import Shown
 
 Array = np.ndarray
 Tell = Callable[[float], None]
@@ -76,6 +77,7 @@ class LaneRun:
             Shape (6,).
         high_frequency: above which torque counts as chattering in [Hz].
         freeze: why it stopped, or ``None``.
+        time: time in [s], that of the run. Shape (n,).
         accuracy: how good all of this is.
     """
 
@@ -114,7 +116,7 @@ class LaneRun:
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(Shown):
     """The results of an experiment.
 
     Attributes:

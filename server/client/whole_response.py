@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from slidetune.robot.shown import Shown
+
 Array = np.ndarray
 
 _LENGTH = struct.Struct("<I")
@@ -41,7 +43,7 @@ class LaneResponse:
 
 
 @dataclass(frozen=True)
-class WholeResponse:
+class WholeResponse(Shown):
     """All lanes from t = 0 over the horizon.
 
     Attributes:

@@ -177,10 +177,10 @@ def _repeat(run: Run, again: Repeating) -> str:
 
 
 def _yaml(run: Run) -> str:
+    text = escape(experiment_to_yaml(run.experiment))
     return (
         '<p class="buttons"><button type="button" data-copies="yaml-text">Copy the YAML</button> '
         '<button type="button" data-saves="yaml-text">Save it as experiment.yaml</button></p>\n'
         "<details><summary>The whole experiment</summary>"
-        f'<pre><code id="yaml-text">{escape(experiment_to_yaml(run.experiment))}</code></pre>'
-        "</details>\n"
+        f'<pre tabindex="0"><code id="yaml-text">{text}</code></pre></details>\n'
     )

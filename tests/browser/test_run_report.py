@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from slidetune.robot.loop.simulate import simulate
 from slidetune.server.report.run_report import report
 from slidetune.server.run_report.page import run_report
 from slidetune.server.run_report.recording import record
+from tests.browser.conftest import PATIENCE
+from tests.browser.inspector import Inspector
 
 CURVES = 6 * 4 + 4 * 6 * 3 + 3
 """Of the three lanes: positions beside the desired ones, four other quantities, the flange."""
@@ -50,6 +53,7 @@ def shown_time(replay: FrameLocator) -> float:
 def test_plots_and_replay_run_from_disk_without_a_network(file: Path, offline: Page) -> None:
     assert file.stat().st_size < LARGEST
     asked: list[str] = []
+    offline.set_viewport_size({"width": 480, "height": 480})  # few pixels to draw in software
     offline.on("request", lambda request: asked.append(request.url))
     offline.goto(file.as_uri())
     offline.wait_for_function(f"({DRAWN})() === {CURVES}")
@@ -60,9 +64,14 @@ def test_plots_and_replay_run_from_disk_without_a_network(file: Path, offline: P
     first = shown_time(replay)
     expect(replay.locator("input").first).not_to_have_value(f"{first:.1f}")
     drawn = replay.locator("canvas").first.screenshot()
+    # Playing, it writes its own time over what is typed.
+    replay.locator(".tabler-icon-player-pause-filled").click()
+    expect(replay.locator(".tabler-icon-player-play-filled")).to_be_visible()
     replay.locator("input").first.fill("5.0")
     expect(replay.locator("input").first).to_have_value("5.0")
-    assert replay.locator("canvas").first.screenshot() != drawn
+    end = time.monotonic() + PATIENCE / 1000
+    while replay.locator("canvas").first.screenshot() == drawn:
+        assert time.monotonic() < end, "the picture stays what it was"
     assert [url for url in asked if not url.startswith(("blob:", "data:"))] == [file.as_uri()]
 
 
@@ -84,3 +93,7 @@ def test_without_webgl_the_rest_is_whole_and_says_so(file: Path, offline: Page) 
     saved.value.save_as(file.with_name("saved.yaml"))
     assert load_preset(file.with_name("saved.yaml")) == load_preset("paper")
     assert offline.evaluate("document.documentElement.scrollWidth") <= 390
+    inspector = Inspector(offline)
+    inspector.start()
+    inspector.look("the report")
+    assert not inspector.found, "\n\n".join(inspector.found)

@@ -104,6 +104,27 @@ def test_kernels_without_a_cache_folder_go_to_a_private_one_that_is_found_again(
     assert compiler._folder() == folder
 
 
+def test_kernels_of_a_folder_that_can_not_be_written_are_taken_from_there(
+    homeless: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ready = homeless / "image" / "kernels" / compiler._digest()
+    (ready / "laws").mkdir(parents=True)
+    (ready / "laws" / "smc.nbi").write_text("compiled")
+    monkeypatch.setattr(compiler.platformdirs, "user_cache_dir", lambda _: homeless / "image")
+
+    def refuse(_: Path) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(compiler, "_forget_old", refuse)  # root may write anywhere
+    folder = compiler._folder()
+    assert folder.parent == homeless / f"slidetune-{os.getuid()}"
+    assert (folder / "laws" / "smc.nbi").read_text() == "compiled"
+    (folder / "laws" / "smc.nbi").write_text("newer")
+    assert compiler._folder() == folder
+    assert (folder / "laws" / "smc.nbi").read_text() == "newer"
+    assert {path.name for path in folder.parent.iterdir()} == {folder.name}
+
+
 @pytest.mark.parametrize("kind", ["open", "link", "file"])
 def test_a_folder_that_others_could_fill_is_never_run_from_nor_stops_the_start(
     homeless: Path, kind: str

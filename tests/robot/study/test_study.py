@@ -68,7 +68,7 @@ def test_a_goal_may_have_the_name_of_a_figure() -> None:
     errors = [one.outcome.figures["mae"] for one in entries]
     assert found["figures"]["mae"]["worst"] == max(errors)
     assert found["ratios"]["mae"]["worst"] == max(errors) / 0.01
-    table = table_of(study, entries)
+    table = table_of(entries)
     assert table["mae"] == errors
     assert table["ratio of mae"] == [error / 0.01 for error in errors]
     assert {len(column) for column in table.values()} == {len(entries)}

@@ -19,6 +19,8 @@ from slidetune.server.exports.columns import columns_of
 from slidetune.server.exports.recorded_run import recorded_run
 from slidetune.server.report.run_figures import run_sections
 from slidetune.server.report.run_report import print_report, report
+from slidetune.server.run_report.page import run_report
+from slidetune.server.run_report.recording import record
 from slidetune.server.state.published import published_schema
 
 
@@ -81,6 +83,10 @@ def test_columns_and_axes_have_the_unit_of_their_joint() -> None:
     assert "A/tau2 [N·m]" in names
     position = run_sections(run)[0]
     assert [figure.axis for figure in position.figures] == ["q [m]", "q [rad]"]
+    page = run_report(run, report(run), record)
+    assert page.rate > 0.0
+    for text in ("mean |e| [mrad | mm]", "≤ 0.01 rad | m<", "is that of J1, which slides"):
+        assert text in page.html
 
 
 def test_a_preset_says_the_units_of_its_arm_and_how_many_joints_it_has() -> None:

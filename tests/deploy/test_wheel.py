@@ -9,22 +9,9 @@ from zipfile import ZipFile
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+from tests.deploy.conftest import ROOT, build
+
 FOLDERS = ("robot", "server", "web", "presets")
-HOSTILE = "raise RuntimeError('this file belongs to the user')\n"
-
-
-def build(kind: str, source: Path, target: Path) -> Path:
-    """Build a distribution of a kind, without a network; returns its file."""
-    command = [sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", str(target)]
-    subprocess.run(command, cwd=source, check=True, capture_output=True)
-    (built,) = target.iterdir()
-    return built
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build("wheel", ROOT, tmp_path_factory.mktemp("wheel"))
 
 
 @pytest.fixture(scope="module")
@@ -34,17 +21,6 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with ZipFile(wheel) as archive:
         archive.extractall(folder)
     return folder
-
-
-@pytest.fixture
-def hostile(tmp_path: Path) -> Path:
-    """A user's folder in which everything is called as our folders are."""
-    (tmp_path / "robot.py").write_text(HOSTILE)
-    for name in ("server", "web", "presets"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "__init__.py").write_text(HOSTILE)
-        (tmp_path / name / "__main__.py").write_text(HOSTILE)
-    return tmp_path
 
 
 def run_python(arguments: list[str], folder: Path, packages: Path) -> str:
