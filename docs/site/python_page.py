@@ -17,6 +17,7 @@ RETURNED = (
     "slidetune.robot.loop.simulate.LaneRun",
     "slidetune.robot.loop.metrics.Metrics",
     "slidetune.robot.loop.accuracy.Accuracy",
+    "slidetune.server.notebook.tuned.Tuned",
     "slidetune.server.client.dashboard.Dashboard",
     "slidetune.server.client.telemetry.Telemetry",
     "slidetune.server.client.telemetry.TelemetryStream",

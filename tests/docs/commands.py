@@ -48,6 +48,13 @@ class Curl:
         return cls(method, f"http://{host}/", f"/{path}", given.json, given.output)
 
 
+def within(line: str) -> str:
+    """Return the command of Slidetune that stands within one of another program, or nothing."""
+    names = "|".join({name.split()[1] for name, _ in commands() if " " in name})
+    found = re.search(rf"(?:^|[\s/])(slidetune (?:{names})\b.*)", line)
+    return found[1] if found else ""
+
+
 def lines(code: str) -> Iterator[str]:
     """Yield the commands of a block, without remarks."""
     for line in code.splitlines():
@@ -142,6 +149,8 @@ OTHER_OPTIONS = {
     "--tmpfs": "of a container",
 }
 """Options in the text that are those of other programs."""
+OTHERS = "curl|docker|journalctl|pipx|systemctl|uv"
+"""Programs of others, whose options are theirs."""
 OTHER_TARGETS = {"make verify": "the Makefile of a hand-over has it"}
 
 
@@ -157,7 +166,7 @@ def code_commands(spans: list[str], known: set[str], routes: set[tuple[str, str]
     names = {name.removeprefix("slidetune ") for name, _ in commands()} - {"slidetune"}
     for span in spans:
         # What make and other modules are told is theirs.
-        theirs = re.match(r"make|(\.venv/bin/)?python -m (?!slidetune)", span)
+        theirs = re.match(rf"make|(\.venv/bin/)?python -m (?!slidetune)|({OTHERS}) ", span)
         for option in re.findall(r"(?<![\w-])--[a-z][\w-]*", span):
             if not theirs and option not in known and option not in OTHER_OPTIONS:
                 wrong.append(f"{span}: there is no option {option}")
