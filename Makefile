@@ -21,7 +21,7 @@ PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV_PYTHON) -m pytest -n auto --maxprocesses 
 BUILDS_EDITABLE = hatchling editables
 
 .DEFAULT_GOAL = help
-.PHONY: help run install test coverage check format bench soak faults fuzz peers opensmc lock clean always libgomp
+.PHONY: help run install test coverage check format bench soak faults fuzz peers opensmc docs pictures lock clean always libgomp
 
 help:  ## Show this list
 	@echo 'make run      then open the address that it prints'
@@ -72,6 +72,13 @@ peers: $(INSTALLED)  ## Time the same closed loop in other simulators (1.6 GB in
 
 opensmc: $(INSTALLED)  ## Run the laws that OpenSMC has too, there and here
 	$(VENV_PYTHON) -m tests.peers.opensmc $(ARGS)
+
+docs: $(INSTALLED)  ## Build the documentation site, which works offline, in build/site
+	$(VENV_PYTHON) -m docs.site $(ARGS)
+
+pictures: $(INSTALLED)  ## Take the pictures of the documentation anew, in a real Chromium
+	CHROMIUM=`$(VENV_PYTHON) -m tests.browser.chromium` && export CHROMIUM && \
+	$(VENV_PYTHON) -m tests.browser.pictures $(ARGS)
 
 lock:  ## Regenerate requirements.lock with the current versions
 	$(or $(PYTHON),python3) -m venv --clear $(LOCK_VENV)

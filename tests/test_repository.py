@@ -24,7 +24,6 @@ REGISTRY = re.compile(
     r"|esm[.]sh|(extra-)?index[-]url|find[-]links"
 )
 MACHINE_PATH = re.compile(r"(?<![\w.:/}-])/(ro[o]t|wor[k]|tm[p]|ho[m]e/\w+|User[s]/\w+)(/\w|$)")
-COMMANDS = re.compile(r"(?:^\s*(?:\$ )?|`)make ([a-z]+)", re.MULTILINE)
 
 
 def files() -> list[Path]:
@@ -69,17 +68,6 @@ def test_the_meshes_stay_small() -> None:
     meshes = list((ROOT / "robot").rglob("*.glb"))
     assert meshes
     assert sum(mesh.stat().st_size for mesh in meshes) < LARGEST_MESHES
-
-
-def test_the_commands_of_the_readme_exist() -> None:
-    commands = set(COMMANDS.findall((ROOT / "README.md").read_text(encoding="utf-8")))
-    assert {"run", "test"} <= commands <= targets()
-
-
-def test_the_commands_of_the_contribution_guide_exist() -> None:
-    commands = set(COMMANDS.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")))
-    assert commands
-    assert commands <= targets()
 
 
 def test_the_files_that_the_documentation_names_exist() -> None:

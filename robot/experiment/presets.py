@@ -284,7 +284,21 @@ def presets() -> list[PresetInfo]:
 
 
 def save_preset(name: str, experiment: Experiment, overwrite: bool = False) -> Path:
-    """Write one of the user's presets; see ``PresetStore.save``."""
+    """Write one of the user's presets, whole or not at all.
+
+    Args:
+        name: made of a to z, 0 to 9 and ``-``.
+        experiment: what to save.
+        overwrite: whether it may take the place of another of the user's.
+
+    Returns:
+        The file.
+
+    Raises:
+        InvalidExperimentError: for a name that can't be a file's.
+        PresetConflictError: if a preset of that name ships, or exists and may not be overwritten.
+        PresetStorageError: if the folder can't be written.
+    """
     return preset_store().save(name, experiment, overwrite)
 
 
