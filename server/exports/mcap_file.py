@@ -182,9 +182,11 @@ class _Poses:
     """Where the flange is."""
 
     def __init__(self, recorded: Recorded) -> None:
-        robot = Robot.model_validate(recorded.experiment["robot"])
+        arm = arm_named(recorded.arm)
+        known = {"joints": arm.joints}
+        robot = Robot.model_validate(recorded.experiment["robot"], context=known)
         self._model = build_arm(robot).model
-        self._flange = self._model.getFrameId(arm_named(robot.model).tip)
+        self._flange = self._model.getFrameId(arm.tip)
 
     def of(self, angles: Array) -> Array:
         """Return x, y, z in [m] and the quaternion x, y, z, w at each row. Shape (n, 7)."""

@@ -38,6 +38,8 @@ def recorded_window(app_state: AppState, seconds: float) -> Recorded:
     rows, states = session.telemetry.last(seconds), session.state()["lanes"]
     if not len(rows.time):
         raise NoRowsError("the session has made no step yet: let it play, then export")
+    # An edit that is being made is waited for: rows may have been made under it already.
+    app_state.document.present()
     oldest, document, edits = app_state.recent_edits.since(int(rows.revision[0]))
     first = int(np.searchsorted(rows.revision, oldest))  # revisions only rise
     if first == len(rows.time):
@@ -58,14 +60,24 @@ def recorded_window(app_state: AppState, seconds: float) -> Recorded:
 
 
 def _remarks(rows: KeptRows, first: int, states: Mapping[str, Any]) -> Iterator[Said]:
-    """Yield where lanes came to stand still, and why as far as it is still known."""
-    for place, (name, state) in enumerate(states.items()):
+    """Yield where lanes came to stand still, and why as far as it is still known.
+
+    Of one that stood still before the first row it is said there.
+    """
+    for place, name in enumerate(_names(rows)):
+        state = states.get(name, {"status": ""})  # it may be gone by now
         still = (rows.frozen[first:] >> place & 1).astype(int)
-        for row in np.flatnonzero(np.diff(still) > 0).tolist():
+        ends = [0] * bool(still[0]) + (np.flatnonzero(np.diff(still) > 0)).tolist()
+        for row in ends:
             time = float(rows.time[first + row])
-            last = state["status"] == "frozen" and not still[row + 1 :].min() < 1
+            last = state["status"] == "frozen" and not still[row + 1 :].min(initial=1) < 1
             cause = state["cause"] if last else "It left its bounds, and has been reset since."
             yield Said(time, name, {"remark": cause})
+
+
+def _names(rows: KeptRows) -> list[str]:
+    """Return the lanes of rows, in order."""
+    return list(dict.fromkeys(column.lane for column in rows.columns if column.lane))
 
 
 def _within(edits: Sequence[RecentEdit], rows: KeptRows) -> list[Said]:
@@ -86,8 +98,7 @@ def _lanes(rows: KeptRows, first: int) -> dict[str, Columns]:
     """Return each lane's columns; what it held while it stood still is no curve."""
     desired = _columns(rows, first)
     lanes: dict[str, Columns] = {}
-    names = list(dict.fromkeys(column.lane for column in rows.columns if column.lane))
-    for place, name in enumerate(names):
+    for place, name in enumerate(_names(rows)):
         columns = _columns(rows, first, name)
         columns["q"], columns["v"] = desired["q_d"] - columns["e"], desired["v_d"] - columns["de"]
         still = (rows.frozen[first:] >> place & 1).astype(bool)

@@ -212,7 +212,8 @@ class Telemetry:
         """
         written = self.written
         # Without the oldest part: the writer may fill it meanwhile.
-        index = np.arange(max(0, written - self._rows + LAG), written) % self._rows
+        oldest = max(0, written - self._rows + LAG)
+        index = np.arange(oldest, written) % self._rows
         time = self._time[index]
         jumps = np.flatnonzero(np.diff(time) <= 0.0)
         begin = int(jumps[-1]) + 1 if len(jumps) else 0
@@ -220,10 +221,9 @@ class Telemetry:
             earliest = time[-1] - seconds - self._period[index[-1]] / 2
             begin += int(np.searchsorted(time[begin:], earliest))
         index = index[begin:]
+        revision, values, frozen = self._revision[index], self._data[index], self._frozen[index]
+        # A writer that made more rows than that meanwhile has overwritten the first of these.
+        lost = max(0, self.written - self._rows + LAG - oldest - begin)
         return KeptRows(
-            tuple(self.columns),
-            time[begin:],
-            self._revision[index],
-            self._data[index],
-            self._frozen[index],
+            tuple(self.columns), time[begin + lost :], revision[lost:], values[lost:], frozen[lost:]
         )

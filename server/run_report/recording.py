@@ -81,9 +81,13 @@ def record(film: Film) -> bytes:
         scene.configure(replay.styles, replay.styles[0].name, replay.robot, path)
         scene.update(replay.frame(0, 0))
         recorder = scene.recorder()
-        for row in range(film.rows, len(replay.q_d), film.rows):
-            recorder.insert_sleep(film.rows * replay.period)
-            scene.update(replay.frame(row - film.rows, row))
+        end = len(replay.q_d) - 1
+        shown = 0
+        while shown < end:
+            row = min(shown + film.rows, end)  # the last picture is of the end of the run
+            recorder.insert_sleep((row - shown) * replay.period)
+            scene.update(replay.frame(shown, row))
+            shown = row
         return recorder.serialize()
     finally:
         scene.close()

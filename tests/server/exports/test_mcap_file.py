@@ -14,6 +14,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from slidetune.robot.arm.description import URDF_PATH
+from slidetune.robot.experiment.document import Experiment
 from slidetune.robot.experiment.preset_yaml import experiment_from_yaml
 from slidetune.robot.loop.simulate import Run, simulate
 from slidetune.server.exports.mcap_file import mcap_of
@@ -88,3 +89,16 @@ def test_the_experiment_and_the_gains_are_in_it(run: Run, messages: Messages) ->
     assert experiment_from_yaml(text.data.encode()) == run.experiment
     ((_, gains),) = messages["/lane_1/gains"]
     assert json.loads(gains.data) == run.experiment.document()["lanes"]["Lane 1"]
+
+
+def test_another_arm_has_a_limit_of_its_own_for_each_joint() -> None:
+    lanes = {"A": {"law": "computed_torque"}}
+    robot = {"model": "two_links", "torque_limit": [60.0, 25.0]}
+    simulation = {"mode": "sampled", "horizon": 0.1}
+    document = {"robot": robot, "lanes": lanes, "simulation": simulation}
+    run = simulate(Experiment.from_document(document), estimate=False)
+    messages = read(mcap_of(recorded_run(run)))
+    places = [pose.pose.position for _, pose in messages["/a/flange"]]
+    flange = [[place.x, place.y, place.z] for place in places]
+    assert np.allclose(flange, run.lanes["A"].flange, rtol=0.0, atol=1e-12)
+    assert len(messages["/a/joint_states"][0][1].effort) == 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -145,6 +147,30 @@ def test_the_last_rows_never_hold_one_that_is_being_overwritten() -> None:
         telemetry.write(block(500, start), start * 0.001, 0.001, 1)
     kept = telemetry.last(60.0)
     assert np.array_equal(kept.values[:, 0], np.arange(20000 - 8192 + LAG, 20000))
+
+
+def test_rows_that_were_overwritten_while_they_were_read_are_left_out() -> None:
+    telemetry = Telemetry(LANES, 6, rows=16384)
+
+    def write(first: int, last: int) -> None:
+        for start in range(first, last, 500):
+            telemetry.write(block(500, start), start * 0.001, 0.001, 1)
+
+    class Overtaken(np.ndarray):
+        """Values before whose first reading more rows are written than a reader may be behind."""
+
+        def __getitem__(self, index: Any) -> Any:
+            if telemetry.written == 20000:
+                write(20000, 25000)
+            return self.view(np.ndarray)[index]
+
+    write(0, 20000)
+    telemetry._data = telemetry._data.view(Overtaken)
+    kept = telemetry.last(60.0)
+    rows = np.arange(25000 - 16384 + LAG, 20000)
+    assert np.array_equal(kept.values[:, 0], rows)
+    assert np.allclose(kept.time, rows * 0.001)
+    assert len(kept.revision) == len(kept.frozen) == len(rows)
 
 
 def test_rows_after_a_freeze_say_so_until_the_lane_begins_anew() -> None:

@@ -68,6 +68,17 @@ def test_all_lanes_move_and_one_that_diverged_stands_still(run: Run) -> None:
     assert not any(name.startswith("/pull") for name in names)
 
 
+def test_the_last_picture_is_of_the_end(run: Run) -> None:
+    film = film_of(run)
+    rows = len(film.replay.q_d) - 1
+    assert rows % film.rows, "this run ends between two pictures"
+    told = messages(record(film))
+    moved = [(t, m) for t, m in told if m["type"] == "SetPositionMessage"]
+    time, place = [(t, m["position"]) for t, m in moved if m["name"] == "/desired/now"][-1]
+    assert time == pytest.approx(rows * film.replay.period)
+    assert place == pytest.approx(film.replay.desired[-1], abs=1e-6)
+
+
 def test_no_port_stays_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     ports: list[int] = []
 

@@ -111,6 +111,17 @@ def test_a_lane_that_stands_still_leaves_a_gap_and_says_why(
     assert remark.content["remark"] == "It left its bounds, and has been reset since."
 
 
+def test_a_lane_that_stood_still_all_along_says_why_at_the_first_row(
+    served: Served, edited: list[Experiment]
+) -> None:
+    window = recorded_window(served.app_state, 10 * served.app_state.session.loop.period)
+    freeze = served.app_state.session.state()["lanes"]["B"]
+    assert np.isnan(window.lanes["B"]["q"]).all()
+    (remark,) = window.remarks
+    assert (remark.topic, remark.content["remark"]) == ("B", freeze["cause"])
+    assert remark.time == window.time[0]
+
+
 def test_every_format_holds_the_same_window(served: Served, edited: list[Experiment]) -> None:
     window = recorded_window(served.app_state, 60.0)
     files = {
