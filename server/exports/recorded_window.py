@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from slidetune.robot.experiment.document import Experiment
+from slidetune.robot.experiment.merge_patch import merged_values
 from slidetune.robot.experiment.preset_yaml import experiment_to_yaml
 from slidetune.server.exports.recorded import Columns, Recorded, Said
 from slidetune.server.exports.refused import NoRowsError
@@ -46,6 +47,12 @@ def recorded_window(app_state: AppState, seconds: float) -> Recorded:
         raise NoRowsError(
             "no step has been made with this experiment yet: let it play, then export"
         )
+    # What is known may begin with edits under which no row was made.
+    begun = int(rows.revision[first])
+    for edit in edits:
+        if edit.revision <= begun:
+            document = merged_values(document, edit.patch)
+    edits = [edit for edit in edits if edit.revision > begun]
     experiment = Experiment.from_document(document)
     return Recorded(
         experiment=experiment.document(),

@@ -21,6 +21,7 @@ Array = np.ndarray
 
 SHOWN = ("mae", "max_error", "chattering", "flange_rms", "peak_torque")
 """Figures in the table of a run (*ours*); ``lane.metrics`` has all of them."""
+_TURNING = "Units are those of joints that turn; of one that slides read m for rad and N for N·m."
 _ESTIMATE, _ENDED = FIGURES["error_estimate"], FIGURES["diverged_at"]
 
 
@@ -77,8 +78,8 @@ def run_view(run: Run) -> View:
 def response_view(response: WholeResponse) -> View:
     """Return the same of a response that a dashboard computed.
 
-    It does not tell which joints slide: its numbers have the units of joints that turn, and where
-    some slide that is m for rad and N for N m.
+    It does not tell which joints slide: its numbers have the units of joints that turn, as the
+    table says.
     """
     lanes = {
         name: _Lane(
@@ -94,16 +95,18 @@ def response_view(response: WholeResponse) -> View:
         )
         for name, lane in response.lanes.items()
     }
-    return _view(f"Whole response: {response.horizon:g} s", lanes, ())
+    return _view(f"Whole response: {response.horizon:g} s", lanes, (), _TURNING)
 
 
-def _view(title: str, lanes: Mapping[str, _Lane], slides: Sequence[bool]) -> View:
+def _view(
+    title: str, lanes: Mapping[str, _Lane], slides: Sequence[bool], caption: str = ""
+) -> View:
     causes = [f"{name} diverged: {lane.cause}" for name, lane in lanes.items() if lane.cause]
     doubts = [f"inaccurate, {name}: {lane.remark}" for name, lane in lanes.items() if lane.remark]
     return View(
         title,
         (*causes, *doubts),
-        (_table(lanes, slides),),
+        (_table(lanes, slides, caption),),
         (
             ("error", _panels(lanes, "e", "rad", slides)),
             ("torque", _panels(lanes, "tau", "N·m", slides)),
@@ -111,7 +114,7 @@ def _view(title: str, lanes: Mapping[str, _Lane], slides: Sequence[bool]) -> Vie
     )
 
 
-def _table(lanes: Mapping[str, _Lane], slides: Sequence[bool]) -> Table:
+def _table(lanes: Mapping[str, _Lane], slides: Sequence[bool], caption: str) -> Table:
     unit = unit_of_joints(_ESTIMATE.shown_unit, slides)
     heads = [f"{FIGURES[name].heading} [{_unit(name, slides)}]" for name in SHOWN]
     rows = []
@@ -122,7 +125,8 @@ def _table(lanes: Mapping[str, _Lane], slides: Sequence[bool]) -> Table:
         estimate = f"≥ {told}" if lane.at_least and lane.estimate is not None else told
         state = "ran to its end" if lane.ended is None else f"{_ENDED.title} {lane.ended:.4g} s"
         rows.append((name, *cells, estimate, state))
-    return Table(("lane", *heads, f"estimated error of the angles [{unit}]", ""), tuple(rows))
+    headings = ("lane", *heads, f"estimated error of the angles [{unit}]", "")
+    return Table(headings, tuple(rows), caption)
 
 
 def _unit(name: str, slides: Sequence[bool]) -> str:

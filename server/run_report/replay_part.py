@@ -11,7 +11,7 @@ import viser
 
 from slidetune.robot.loop.simulate import Run
 from slidetune.server.report.figure_page import html_paragraphs, in_script
-from slidetune.server.run_report.recording import Film
+from slidetune.server.run_report.recording import MOST_PICTURES, RATE, Film
 
 _CLIENT = Path(viser.__file__).parent / "client" / "build" / "index.html"
 
@@ -36,7 +36,9 @@ def replay_part(run: Run, film: Film, missing: str) -> str:
     )
     if any(lane.freeze is not None for lane in run.lanes.values()):
         texts.append("The arm of a lane that left its bounds turns reddish grey and stands still.")
-    slower = " (fewer than usual, because the run is long)" if film.rate < 25.0 else ""
+    long = float(run.time[-1]) * RATE > MOST_PICTURES
+    why = "the run is long" if long else "its rows are far apart"
+    slower = f" (fewer than usual, because {why})" if film.rate < 25.0 else ""
     texts.append(f"{film.rate:.3g} pictures for each second of the run{slower}.")
     return (
         f'<div id="replay"><p id="replay-note" role="status">{escape(_WAITING)}</p></div>\n'

@@ -16,6 +16,7 @@ from slidetune.robot.loop.simulate import Run, simulate
 from slidetune.server.run_report import recording
 from slidetune.server.run_report.child import asked_of, film_from
 from slidetune.server.run_report.recording import MOST_PICTURES, Film, film_of, record
+from slidetune.server.run_report.replay_part import replay_part
 from slidetune.server.scene.scene import Scene
 
 
@@ -49,6 +50,19 @@ def test_a_second_has_thirty_pictures_and_a_long_run_no_more_than_there_may_be(r
     assert time[-1] * film.rate <= MOST_PICTURES
     assert film.rate == pytest.approx(5.0, rel=0.05)
     assert film.replay.period <= 0.025
+
+
+def test_fewer_pictures_have_their_own_reason(run: Run) -> None:
+    def said(rows: int, row: float) -> str:
+        nothing = np.zeros((rows, 6))
+        other = replace(run, time=np.arange(rows) * row, q_d=nothing, v_d=nothing)
+        return replay_part(other, film_of(other), "")
+
+    assert "pictures for each second of the run." in said(2001, 1e-3)
+    assert "15.2 pictures for each second of the run (fewer than usual, because its rows" in said(
+        123, 1 / 61
+    )
+    assert "(fewer than usual, because the run is long)" in said(120_001, 1e-3)
 
 
 def test_all_lanes_move_and_one_that_diverged_stands_still(run: Run) -> None:

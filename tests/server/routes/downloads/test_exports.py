@@ -20,6 +20,7 @@ from slidetune.robot.loop.simulate import simulate
 from slidetune.server.exports.recorded import Recorded
 from slidetune.server.exports.recorded_window import recorded_window
 from slidetune.server.live.telemetry import rows_of
+from slidetune.server.state import recent_edits
 from tests.server.conftest import Served
 from tests.server.exports.exported import CALM, WILD, short_experiment
 from tests.server.exports.test_mcap_file import read
@@ -120,6 +121,23 @@ def test_a_lane_that_stood_still_all_along_says_why_at_the_first_row(
     (remark,) = window.remarks
     assert (remark.topic, remark.content["remark"]) == ("B", freeze["cause"])
     assert remark.time == window.time[0]
+
+
+def test_a_window_whose_first_edits_are_forgotten_begins_with_what_its_first_row_was_made_by(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recent_edits, "LENGTH", 2)
+    served.http.post("/api/session/pause").raise_for_status()
+    until_done(served)
+    step(served, 5)
+    for nu in (1.0, 2.0, 3.0):  # the first of them is forgotten, and there is no row of the second
+        patch = {"lanes": {"NFTSM": {"nu": nu}}}
+        served.http.patch("/api/experiment", json=patch).raise_for_status()
+    step(served, 4)
+    window = recorded_window(served.app_state, 60.0)
+    assert len(window.time) == 4
+    assert window.experiment == served.app_state.document.experiment.document()
+    assert window.edits == ()
 
 
 def test_every_format_holds_the_same_window(served: Served, edited: list[Experiment]) -> None:
