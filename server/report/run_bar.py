@@ -31,7 +31,7 @@ def progress_bar(console: Console, text: str) -> Iterator[Callable[[float], None
 def simulate_with_bar(experiment: Experiment, console: Console) -> Run:
     """Run an experiment; raises what ``simulate`` raises."""
     if not is_warm():
-        console.print("Compiling the control laws first (once for this version) …")
+        console.print("Compiling what is not compiled yet (once for this version) …")
     with progress_bar(console, "Simulating") as show:
         return simulate(experiment, show)
 
