@@ -91,10 +91,14 @@ export async function request(method, address, body, signal) {
 /**
  * @param {string} address
  * @param {object} body
+ * @param {AbortSignal} [signal]
  * @returns {Promise<Blob>} the answer as a file, whatever is in it
  * @throws {ApiError} when the server refuses or can't be reached
+ * @throws {DOMException} when `signal` aborts it
  */
-export async function requestFile(address, body) { return (await answer('POST', address, body)).blob(); }
+export async function requestFile(address, body, signal) {
+  return (await answer('POST', address, body, signal)).blob();
+}
 
 /**
  * Read an answer of one JSON object a line while it is still being written.

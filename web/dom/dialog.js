@@ -6,8 +6,9 @@ import {icon} from './icons.js';
 
 /**
  * @typedef {{name: string, label: string, value?: string, hint?: string, long?: boolean,
- *   required?: boolean, length?: number, options?: {value: string, text: string}[]}} Question
- *   `options`: one of these, not any text
+ *   required?: boolean, length?: number, options?: {value: string, text: string}[],
+ *   when?: {[name: string]: string}}} Question
+ *   `options`: one of these, not any text; `when`: asked only while these have been answered
  */
 
 /**
@@ -49,8 +50,9 @@ function outside(box, event) {
  * @param {string} title
  * @param {Question[]} questions
  * @param {string} action what the button says
- * @param {(answers: {[name: string]: string}, dialog: {relabel: (text: string) => void})
- *   => Promise<void>} run throws to refuse
+ * @param {(answers: {[name: string]: string},
+ *   dialog: {relabel: (text: string) => void, signal: AbortSignal})
+ *   => Promise<void>} run throws to refuse; the signal tells that the dialog was left meanwhile
  */
 export function ask(title, questions, action, run) {
   const alert = element('p', {class: 'dialog-alert', role: 'alert'});
@@ -60,18 +62,31 @@ export function ask(title, questions, action, run) {
   }, 'Cancel');
   const buttons = element('div', {class: 'dialog-buttons'}, cancel, submit);
   const progress = element('div', {class: 'dialog-progress', 'aria-hidden': 'true', hidden: true});
-  const form = element(
-    'form', {class: 'dialog-form'}, ...questions.map(asked), alert, progress, buttons,
-  );
+  const boxes = questions.map(asked);
+  const form = element('form', {class: 'dialog-form'}, ...boxes, alert, progress, buttons);
+  const left = new AbortController();
+  const showAsked = () => {
+    questions.forEach(({name, when = {}}, index) => {
+      const said = new FormData(form);
+      const hidden = Object.entries(when).some(([other, value]) => said.get(other) !== value);
+      boxes[index].hidden = hidden;
+      // Nobody can answer what isn't shown, and what is disabled is neither required nor sent.
+      /** @type {HTMLInputElement} */ (form.elements.namedItem(name)).disabled = hidden;
+    });
+  };
   const relabel = (/** @type {string} */ text) => { submit.textContent = text; };
-  form.addEventListener('input', () => { alert.textContent = ''; relabel(action); });
+  form.addEventListener('input', () => {
+    alert.textContent = '';
+    if (!submit.disabled) relabel(action);
+    showAsked();
+  });
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     submit.disabled = true;
     progress.hidden = false;
     try {
       const entries = [...new FormData(form)].map(([name, value]) => [name, String(value)]);
-      await run(Object.fromEntries(entries), {relabel});
+      await run(Object.fromEntries(entries), {relabel, signal: left.signal});
       dialog.close();
     } catch (error) {
       alert.textContent = /** @type {Error} */ (error).message;
@@ -80,9 +95,11 @@ export function ask(title, questions, action, run) {
     progress.hidden = true;
   });
   const dialog = showDialog(title, form);
-  const first = form.querySelector('input');
+  dialog.addEventListener('close', () => left.abort());
+  showAsked();
+  const first = /** @type {HTMLInputElement?} */ (form.querySelector('input, select, textarea'));
   first?.focus();
-  first?.select();
+  first?.select?.();
 }
 
 /** @param {Question} question */

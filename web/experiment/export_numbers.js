@@ -16,8 +16,7 @@ const FORMATS = [
   {value: 'parquet', text: 'Parquet: pandas, Polars, DuckDB'},
   {value: 'mcap', text: 'MCAP: Foxglove, PlotJuggler, ROS 2'},
 ];
-const SECONDS = 'Of the live session, in simulated time: 60 at most, back to the last reset or change '
-  + 'of lanes. A whole run takes no notice of it';
+const SECONDS = 'In simulated time: 60 at most, back to the last reset or change of lanes';
 
 /**
  * Ask what is exported, and as what, and save it.
@@ -28,8 +27,8 @@ export function exportNumbers(api) {
   ask('Export numbers', [
     {name: 'what', label: 'What', options: WHAT},
     {name: 'format', label: 'Format', options: FORMATS},
-    {name: 'seconds', label: 'Seconds', value: '10', hint: SECONDS, required: true},
-  ], 'Download', async ({what, format, seconds}, {relabel}) => {
+    {name: 'seconds', label: 'Seconds', value: '10', hint: SECONDS, required: true, when: {what: 'window'}},
+  ], 'Download', async ({what, format, seconds}, {relabel, signal}) => {
     const chosen = /** @type {Format} */ (format);
     const count = Number(seconds);
     if (what === 'window' && !(count > 0 && count <= 60)) {
@@ -38,8 +37,9 @@ export function exportNumbers(api) {
     relabel('Being written …');
     try {
       await api.settled();
-      const file = await (what === 'run' ? runAs(chosen) : windowAs(chosen, count));
-      const name = fileName(api.experiment.title) || 'slidetune';
+      const file = await (what === 'run' ? runAs(chosen, signal) : windowAs(chosen, count, signal));
+      signal.throwIfAborted();
+      const name = fileName(api.preset || api.experiment.title) || 'experiment';
       saveFile(`${name}-${what}.${format}`, file, file.type);
     } finally {
       relabel('Download');

@@ -26,13 +26,16 @@ export function handOver(api, lane) {
   if (uncertain) questions.push({
     name: 'draws', label: 'Draws', value: '40', hint: DRAWS, required: true,
   });
-  ask(`Hand over ${lane}`, questions, 'Download', async ({controller, draws = '0'}, {relabel}) => {
+  ask(`Hand over ${lane}`, questions, 'Download', async ({controller, draws = '0'}, {relabel, signal}) => {
     const count = Number(draws);
-    if (!Number.isInteger(count) || count < 0) throw new Error('Draws must be a whole number, 0 to 200.');
+    if (!Number.isInteger(count) || count < 0) {
+      throw new Error(`Draws must be a whole number, 0 to 200; got ${draws}.`);
+    }
     relabel('Being made …');
     try {
       await api.settled();
-      const archive = await packageOf(lane, controller.trim(), count);
+      const archive = await packageOf(lane, controller.trim(), count, signal);
+      signal.throwIfAborted();
       saveFile(`${fileName(lane) || 'lane'}.zip`, archive, 'application/zip');
     } finally {
       relabel('Download');

@@ -78,7 +78,7 @@ export class Links {
       };
       showDialog('A link to this experiment', element('div', {class: 'dialog-text'},
         element('p', {}, 'It holds the experiment and what you look at, and none of it leaves this machine '
-          + 'until you send it. Elsewhere: paste it on the page of any Slidetune, or '),
+          + 'until you send it. To open it elsewhere, paste it on the page of any Slidetune, or run it without a page:'),
         element('code', {}, 'slidetune run "LINK"'), box, status,
         element('div', {class: 'dialog-buttons'},
           element('button', {class: 'button primary', type: 'button', on: {click: copy}}, 'Copy'))));

@@ -10,6 +10,8 @@ import {download, image} from './download.js';
 
 /** Longer names are cut: a label may be a whole sentence. */
 const LONGEST_NAME = 60;
+const TITLE_SIZE = 12;
+const LINE = 16;
 
 /** @typedef {{data: object[], layout: any}} Figure */
 
@@ -49,18 +51,44 @@ export function saveImageButton(graph, above) {
  */
 function figureOf(graph, above) {
   const {data = [], layout = {}} = /** @type {any} */ (graph);
-  const {background} = themeOf(graph);
+  const {background, text} = themeOf(graph);
   const {clientWidth: width, clientHeight: height} = /** @type {HTMLElement} */ (graph.parentElement);
-  const whole = {...layout, paper_bgcolor: background, width, height};
-  if (!above) return {data, layout: whole};
   const {l = 0, r = 0, t = 0, b = 0} = (/** @type {any} */ (graph))._fullLayout?._size ?? {};
+  const lines = broken(graph.getAttribute('aria-label') ?? '', width);
+  const head = lines.length * LINE + 8;
+  const whole = {
+    ...layout, paper_bgcolor: background, width, height: height + head,
+    margin: {l, r, b, t: t + head},
+    // On the page this is said around the plot.
+    title: {
+      text: lines.join('<br>'), font: {size: TITLE_SIZE, color: text},
+      x: 0, xref: 'paper', xanchor: 'left', y: 1, yref: 'container', yanchor: 'top', pad: {t: 6},
+    },
+  };
+  if (!above) return {data, layout: whole};
   const picture = {
     source: above.toDataURL(), layer: 'above', xref: 'paper', yref: 'paper', sizing: 'stretch',
     x: -l / (width - l - r), y: 1 + t / (height - t - b),
     sizex: width / (width - l - r), sizey: height / (height - t - b),
   };
   const empty = data.length ? {} : {
-    margin: {l, r, t, b}, xaxis: {visible: false}, yaxis: {visible: false}, plot_bgcolor: background,
+    xaxis: {visible: false}, yaxis: {visible: false}, plot_bgcolor: background,
   };
   return {data, layout: {...empty, ...whole, images: [picture]}};
+}
+
+/**
+ * @param {string} label
+ * @param {number} width in pixels
+ * @returns {string[]} lines no longer than that, for the plotting library, which reads a little markup
+ */
+function broken(label, width) {
+  const most = Math.max(20, Math.floor(width / (0.55 * TITLE_SIZE)));
+  /** @type {string[]} */ const lines = [];
+  for (const word of label.split(' ')) {
+    const last = lines.at(-1);
+    if (last !== undefined && last.length + word.length < most) lines[lines.length - 1] = `${last} ${word}`;
+    else lines.push(word);
+  }
+  return lines.map((line) => line.replaceAll('&', '&amp;').replaceAll('<', '&lt;'));
 }

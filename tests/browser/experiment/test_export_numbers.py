@@ -37,6 +37,7 @@ def test_what_is_seen_and_what_is_run_come_as_files(
     page.goto(dashboard.url)
     expect(page.locator("#header")).to_contain_text("paused")
     dialog = opened(page)
+    expect(dialog.get_by_label("What")).to_be_focused()
     seconds = dialog.get_by_label("Seconds")
     seconds.fill("61")
     dialog.get_by_role("button", name="Download").click()
@@ -49,7 +50,9 @@ def test_what_is_seen_and_what_is_run_come_as_files(
     table = pd.read_csv(tmp_path / "window.csv")
     assert len(table) == 51
     dialog = opened(page)
+    dialog.get_by_label("Seconds").fill("")
     dialog.get_by_label("What").select_option("run")
+    expect(dialog.get_by_label("Seconds")).to_be_hidden()
     dialog.get_by_label("Format").select_option("parquet")
     downloaded(page, dialog, tmp_path / "run.parquet")
     run = simulate(load_preset("paper").patched(SHORT), estimate=False)
@@ -59,3 +62,22 @@ def test_what_is_seen_and_what_is_run_come_as_files(
     dialog.get_by_label("Format").select_option("mcap")
     downloaded(page, dialog, tmp_path / "window.mcap")
     assert len(McapFile(tmp_path / "window.mcap", "/nftsm/joint_states").names) == 19
+
+
+def test_who_cancels_gets_no_file(page: Page, dashboard: Dashboard) -> None:
+    page.goto(dashboard.url)
+    expect(page.locator("#header")).to_contain_text("live")
+    saved: list[str] = []
+    page.on("download", lambda download: saved.append(download.suggested_filename))
+    page.route("**/api/exports/window", lambda route: None)  # an answer that never comes
+    dialog = opened(page)
+    dialog.get_by_role("button", name="Download").click()
+    expect(dialog.get_by_role("button", name="Being written …")).to_be_visible()
+    dialog.get_by_label("Seconds").fill("5")
+    expect(dialog.get_by_role("button", name="Being written …")).to_be_visible()
+    with page.expect_event("requestfailed") as failed:
+        dialog.get_by_role("button", name="Cancel").click()
+    assert failed.value.url.endswith("/api/exports/window")
+    assert failed.value.failure == "net::ERR_ABORTED"
+    expect(dialog).to_have_count(0)
+    assert not saved

@@ -28,7 +28,9 @@ def test_a_lane_is_handed_over_from_its_menu(
     controller.fill("my_arm")
     draws.fill("two")
     dialog.get_by_role("button", name="Download").click()
-    expect(dialog.get_by_role("alert")).to_have_text("Draws must be a whole number, 0 to 200.")
+    expect(dialog.get_by_role("alert")).to_have_text(
+        "Draws must be a whole number, 0 to 200; got two."
+    )
     draws.fill("2")
     with page.expect_download(timeout=180_000) as saved:
         dialog.get_by_role("button", name="Download").click()

@@ -41,13 +41,17 @@ def test_a_lens_is_saved_as_it_is_seen(page: Page, dashboard: Dashboard, tmp_pat
     size = figure.bounding_box()
     assert size is not None
     with Image.open(tmp_path / "lens.png") as picture:
-        assert abs(picture.height - SCALE * size["height"]) <= SCALE
+        head = picture.height - SCALE * size["height"]  # says what is seen
+        assert 20 * SCALE <= head <= 60 * SCALE
         assert abs(picture.width - SCALE * size["width"]) <= SCALE
     assert len(colors(tmp_path / "lens.png")) > 20
     save(page, figure, "SVG", tmp_path / "lens.svg")
     text = (tmp_path / "lens.svg").read_text(encoding="utf-8")
     assert text.count("<path") > 3
     assert "Hz" in text
+    label = figure.get_by_role("img").get_attribute("aria-label")
+    assert label
+    assert label.split()[0] in text
 
 
 def test_points_of_a_search_are_in_its_picture(

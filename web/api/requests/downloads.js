@@ -9,10 +9,11 @@ import {request, requestFile} from '../http.js';
  * @param {string} lane
  * @param {string} controller its name there
  * @param {number} draws how many of what is uncertain
+ * @param {AbortSignal} signal
  * @returns {Promise<ArrayBuffer>} a ZIP
  */
-export function handOver(lane, controller, draws) {
-  return request('POST', '/api/hand-over', {lane, controller, draws});
+export function handOver(lane, controller, draws, signal) {
+  return request('POST', '/api/hand-over', {lane, controller, draws}, signal);
 }
 
 /** @typedef {'csv'|'parquet'|'mcap'} Format */
@@ -22,19 +23,21 @@ export function handOver(lane, controller, draws) {
  *
  * @param {Format} format
  * @param {number} seconds of simulated time at most
+ * @param {AbortSignal} signal
  * @returns {Promise<Blob>}
  */
-export function windowAs(format, seconds) {
-  return requestFile('/api/exports/window', {format, seconds});
+export function windowAs(format, seconds, signal) {
+  return requestFile('/api/exports/window', {format, seconds}, signal);
 }
 
 /**
  * A whole run of the live experiment.
  *
  * @param {Format} format
+ * @param {AbortSignal} signal
  * @returns {Promise<Blob>}
  */
-export function runAs(format) { return requestFile('/api/exports/run', {format}); }
+export function runAs(format, signal) { return requestFile('/api/exports/run', {format}, signal); }
 
 /**
  * Run the live experiment and report on it.
