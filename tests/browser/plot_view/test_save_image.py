@@ -49,7 +49,7 @@ def test_a_lens_is_saved_as_it_is_seen(page: Page, dashboard: Dashboard, tmp_pat
     text = (tmp_path / "lens.svg").read_text(encoding="utf-8")
     assert text.count("<path") > 3
     assert "Hz" in text
-    label = figure.get_by_role("img").get_attribute("aria-label")
+    label = figure.locator(".lens-graph").get_attribute("aria-label")
     assert label
     assert label.split()[0] in text
 
