@@ -204,6 +204,7 @@ def _fitted(
         if not shifts_left or abs(more) <= (_CLOSE * half if shifted else max(half, LEAST)):
             break
         late += more
+    half = max(half, abs(more))  # what a shift may still be off, where it has not settled
     estimates = _estimates(robot, names, solution, reasons, present, (lower, upper), fitted)
     whole = np.sqrt(np.mean(equation.torque**2, axis=0))
     left = np.sqrt(np.mean(solution.residual**2, axis=0))

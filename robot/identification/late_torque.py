@@ -35,9 +35,7 @@ def lateness_of(equation: Equation, solution: Solution, fitted: Array) -> tuple[
     slopes = solution.slopes[:, fitted]
     columns = np.column_stack([slopes, rate])
     scale = np.linalg.norm(columns, axis=0)
-    if scale[-1] == 0.0 or np.linalg.matrix_rank(columns / np.where(scale, scale, 1.0)) < len(
-        scale
-    ):
+    if not scale.all() or np.linalg.matrix_rank(columns / scale) < len(scale):
         return 0.0, 0.0
     # What of the rate no other number explains, against what is left over.
     alone = rate[:, 0] - slopes @ np.linalg.lstsq(slopes, rate[:, 0], rcond=None)[0]

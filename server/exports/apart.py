@@ -15,7 +15,8 @@ from slidetune.server.exports.refused import ExportError
 
 _MODULE = "slidetune.server.exports.child"
 _LIMIT = 300.0
-"""Longest time that one may take in [s] (*ours*): a minute of six lanes as MCAP takes some 40."""
+"""Longest time that one may take in [s] (*ours*): a minute of six lanes as MCAP took 66
+on a busy machine."""
 
 
 def export_apart(recorded: Recorded, format: Format) -> Path:

@@ -61,7 +61,7 @@ export function ask(title, questions, action, run) {
     class: 'button', type: 'button', on: {click: () => dialog.close()},
   }, 'Cancel');
   const buttons = element('div', {class: 'dialog-buttons'}, cancel, submit);
-  const progress = element('div', {class: 'dialog-progress', 'aria-hidden': 'true', hidden: true});
+  const progress = element('div', {class: 'running-bar', 'aria-hidden': 'true', hidden: true});
   const boxes = questions.map(asked);
   const form = element('form', {class: 'dialog-form'}, ...boxes, alert, progress, buttons);
   const left = new AbortController();

@@ -22,7 +22,7 @@ export class ResponseHead {
   #preview;
   #revision;
   #bar = element('div', {
-    class: 'response-progress', role: 'progressbar', hidden: true,
+    class: 'response-progress running-bar', role: 'progressbar', hidden: true,
     'aria-label': 'Computing the response',
   });
   #failure = element('p', {class: 'response-failure', role: 'alert', hidden: true});

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from slidetune.robot.experiment.document import Experiment
@@ -45,6 +47,20 @@ def test_a_delay_is_found_and_the_intervals_hold_all_the_same(
     late = told(found.remarks)
     assert late is not None
     assert late[0] == pytest.approx(delay + PERIOD / 2, abs=max(2.0 * late[1], 1e-4))
+    inside = covered(run, found)
+    assert sum(inside) >= 0.85 * len(inside)
+
+
+@pytest.mark.parametrize("late", [-0.004, 0.02, 0.05])
+def test_a_shift_of_whatever_size_is_found(late: float) -> None:
+    run = run_of(TWO, None)
+    log = log_of(run, noise=0.03, angles=1e-5, seed=3)
+    assert log.tau is not None
+    early = [np.interp(run.time + late, run.time, column) for column in log.tau.T]
+    found = identify(replace(log, tau=np.stack(early, axis=1)), unknowing(run))
+    said = told(found.remarks)
+    assert said is not None
+    assert said[0] == pytest.approx(late, abs=max(2.0 * said[1], 1e-4))
     inside = covered(run, found)
     assert sum(inside) >= 0.85 * len(inside)
 
