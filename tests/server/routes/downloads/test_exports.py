@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -39,11 +40,14 @@ def step(served: Served, count: int) -> None:
 
 
 def until_done(served: Served) -> None:
+    """Wait until the session has obeyed all commands and made all steps."""
+    end = time.monotonic() + 60.0
+    while served.app_state.session.waiting_steps:
+        assert time.monotonic() < end, "steps wait still"
+        time.sleep(0.001)
     done = threading.Event()
     served.app_state.session.ask(done.set)
     assert done.wait(60.0)
-    while served.app_state.session.waiting_steps:
-        done.wait(0.001)
 
 
 @pytest.fixture
